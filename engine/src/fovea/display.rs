@@ -1,0 +1,66 @@
+//! The display as the eye sees it: pixels, and the rays through them.
+
+use crate::error::{Error, Result};
+use glam::{DVec2, DVec3};
+
+/// A flat display: its pixels and the frustum through its edges.
+///
+/// Display pixels have x to the right, y down, centres at .5. View space is right-handed, `-Z`
+/// forward, `+Y` up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DisplayGeometry {
+    /// Width and height, px.
+    pub size_px: [u32; 2],
+    /// Tangents of the half angles to the left, right, upper and lower edge; the left and the lower
+    /// one are negative in a frustum that holds the view axis (as in OpenXR's `XrFovf`).
+    pub tan_left: f64,
+    /// See `tan_left`.
+    pub tan_right: f64,
+    /// See `tan_left`.
+    pub tan_up: f64,
+    /// See `tan_left`.
+    pub tan_down: f64,
+}
+
+impl DisplayGeometry {
+    /// Square pixels with the view axis through the display's centre.
+    #[must_use]
+    pub fn symmetric(size_px: [u32; 2], hfov_deg: f64) -> Self {
+        let tan_right = (hfov_deg.to_radians() / 2.0).tan();
+        let tan_up = tan_right * f64::from(size_px[1]) / f64::from(size_px[0]);
+        Self { size_px, tan_left: -tan_right, tan_right, tan_up, tan_down: -tan_up }
+    }
+
+    /// Checks size and frustum.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for a size of 0 or a frustum that is empty or not finite.
+    pub fn check(&self) -> Result<()> {
+        let [width, height] = self.size_px;
+        if width == 0 || height == 0 {
+            return Err(Error::Setting(format!(
+                "the display is {width}x{height} px; both must be at least 1"
+            )));
+        }
+        let edges = [self.tan_left, self.tan_right, self.tan_up, self.tan_down];
+        let in_range = edges.iter().all(|edge| edge.is_finite() && edge.abs() < 1e3);
+        if !in_range || self.tan_left >= self.tan_right || self.tan_down >= self.tan_up {
+            return Err(Error::Setting(
+                "the field of view is out of range; it must lie above 0 and below 179 degrees".into(),
+            ));
+        }
+        Ok(())
+    }
+
+    /// Direction (not of length 1; z is -1) of the ray through a display position.
+    #[must_use]
+    pub fn ray_of_px(&self, px: DVec2) -> DVec3 {
+        let x = px.x / f64::from(self.size_px[0]);
+        let y = px.y / f64::from(self.size_px[1]);
+        DVec3::new(
+            self.tan_left + (self.tan_right - self.tan_left) * x,
+            self.tan_up + (self.tan_down - self.tan_up) * y,
+            -1.0,
+        )
+    }
+}

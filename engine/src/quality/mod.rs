@@ -1,0 +1,3 @@
+//! Error metrics between two pictures, whole and by eccentricity.
+
+pub mod compare;

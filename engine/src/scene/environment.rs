@@ -1,0 +1,3 @@
+//! Environment maps.
+/// Stub.
+pub struct Environment;

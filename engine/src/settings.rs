@@ -1,0 +1,128 @@
+//! What a caller asks of the renderer, checked before anything is built.
+
+use crate::error::{Error, Result};
+use crate::fovea::{DisplayGeometry, Kernel};
+use serde::Serialize;
+
+/// How the picture is shaded.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Method {
+    /// Every pixel of the display: the reference.
+    Full,
+    /// Kernel foveated rendering.
+    Kfr(KfrSettings),
+}
+
+/// Kernel foveated rendering (thesis of 2018, section 2).
+#[derive(Clone, Debug, PartialEq)]
+pub struct KfrSettings {
+    /// Display width over LP-buffer width, 1 to 4 in the published studies; at most 64 here.
+    pub sigma: f64,
+    /// Where along the radius the LP-buffer spends its columns.
+    pub kernel: Kernel,
+    /// 3x3 Gaussian in the periphery of the LP-buffer (section 2.2.3).
+    pub lp_filter: bool,
+    /// Gaussian on the display outside the native disc (Eq. 2.14).
+    pub post_filter: bool,
+}
+
+impl Default for KfrSettings {
+    /// The values that the thesis' user study chose: sigma 1.8, alpha 4.
+    fn default() -> Self {
+        Self { sigma: 1.8, kernel: Kernel::Power { alpha: 4.0 }, lp_filter: true, post_filter: false }
+    }
+}
+
+/// From linear radiance to the display.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ToneMap {
+    /// Clamped to 0..=1 only.
+    None,
+    /// ACES filmic curve (fit of the reference rendering transform).
+    #[default]
+    Aces,
+}
+
+/// What the target shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum View {
+    /// The picture.
+    #[default]
+    Picture,
+    /// Samples per pixel, as a colour: blue few, green one, red many.
+    Density,
+    /// The LP-buffer's texel borders over the picture.
+    Grid,
+    /// A cross at the gaze over the picture.
+    Gaze,
+    /// Rings of eccentricity at 2, 5, 10, 20 and 40 degrees over the picture.
+    Rings,
+}
+
+/// Everything that decides what is built. Changing any of it needs a new bake.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Pixels and field of view.
+    pub display: DisplayGeometry,
+    /// How the picture is shaded.
+    pub method: Method,
+    /// Tone mapping of the 8-bit target.
+    pub tone_map: ToneMap,
+    /// What the target shows.
+    pub view: View,
+    /// Linear factor on radiance before tone mapping, above 0.
+    pub exposure: f32,
+    /// Lights that cast shadows, the directional ones first and then by intensity; at most 16.
+    pub shadowed_lights: u32,
+    /// Texels along the side of a shadow map, 64 to 8192.
+    pub shadow_map_size: u32,
+    /// Samples per pixel or LP texel of a ray-marched scene, 1 to 16.
+    pub samples_per_pixel: u32,
+    /// Run every effect, also those that the scene does not call for.
+    pub force_effects: bool,
+    /// Count NaN and infinite values in every buffer (in a pass that the frame's time leaves out).
+    pub check_finite: bool,
+}
+
+impl RenderSettings {
+    /// The defaults for a display.
+    #[must_use]
+    pub fn new(display: DisplayGeometry, method: Method) -> Self {
+        Self {
+            display,
+            method,
+            tone_map: ToneMap::default(),
+            view: View::default(),
+            exposure: 1.0,
+            shadowed_lights: 1,
+            shadow_map_size: 1024,
+            samples_per_pixel: 1,
+            force_effects: false,
+            check_finite: false,
+        }
+    }
+
+    /// Checks the ranges that do not depend on a device.
+    ///
+    /// # Errors
+    /// [`Error::Setting`], naming the value and the range.
+    pub fn check(&self) -> Result<()> {
+        let within = |name: &str, value: f64, low: f64, high: f64| {
+            if value >= low && value <= high {
+                return Ok(());
+            }
+            Err(Error::Setting(format!("{name} is {value}; it must lie between {low} and {high}")))
+        };
+        self.display.check()?;
+        if let Method::Kfr(kfr) = &self.method {
+            within("sigma", kfr.sigma, 1.0, 64.0)?;
+            kfr.kernel.check()?;
+        }
+        within("exposure", f64::from(self.exposure), 1e-6, 1e6)?;
+        within("the number of shadowed lights", f64::from(self.shadowed_lights), 0.0, 16.0)?;
+        within("the shadow map's size", f64::from(self.shadow_map_size), 64.0, 8192.0)?;
+        within("samples per pixel", f64::from(self.samples_per_pixel), 1.0, 16.0)
+    }
+}
