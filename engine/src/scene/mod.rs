@@ -40,8 +40,8 @@ pub struct Vertex {
     pub position: Vec3,
     /// Unit normal.
     pub normal: Vec3,
-    /// Unit tangent, and in `w` the bitangent's sign, -1 or 1.
-    pub tangent: Vec4,
+    /// Unit tangent, and at the end the bitangent's sign, -1 or 1.
+    pub tangent: [f32; 4],
     /// First UV set; (0, 0) where the file has none.
     pub uv0: Vec2,
     /// Second UV set; (0, 0) where the file has none.
