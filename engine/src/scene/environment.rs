@@ -13,6 +13,8 @@
 
 mod dfg;
 mod exr_file;
+#[cfg(test)]
+mod hostile_tests;
 mod irradiance;
 mod latlong;
 mod radiance_file;

@@ -6,7 +6,9 @@ use std::f64::consts::TAU;
 
 /// Scale and bias so that a lobe under uniform light of radiance 1 reflects `f0 * scale + bias`
 /// (Karis, "Real Shading in Unreal Engine 4", 2013): GGX with height-correlated Smith shadowing
-/// (Heitz, "Understanding the Masking-Shadowing Function", 2014) and Schlick's Fresnel term.
+/// (Heitz, "Understanding the Masking-Shadowing Function", 2014) and Schlick's Fresnel term. Half
+/// vectors are sampled as far as they are visible (Dupuy and Benyoub, "Sampling Visible GGX Normals
+/// with Spherical Caps", 2023): at grazing views, few others would matter.
 ///
 /// `n_dot_v` in 0..=1; `roughness` is perceptual, 0..=1, alpha its square; `samples` at least 1.
 /// Both results are finite, at least 0, and their sum is at most 1.
@@ -18,25 +20,38 @@ pub fn dfg(n_dot_v: f64, roughness: f64, samples: u32) -> [f64; 2] {
     let alpha = roughness.clamp(0.0, 1.0).powi(2).max(1e-6);
     let alpha2 = alpha * alpha;
     let view = [(1.0 - nv * nv).max(0.0).sqrt(), nv];
+    // The view direction where the surface is stretched to a hemisphere.
+    let stretched = {
+        let length = (alpha * view[0]).hypot(nv);
+        [alpha * view[0] / length, nv / length]
+    };
+    // Twice the cosine over Smith's masking term.
+    let spread = |cos: f64| cos + (cos * cos * (1.0 - alpha2) + alpha2).sqrt();
     let (mut scale, mut bias) = (0.0, 0.0);
     for index in 0..samples {
         let [a, b] = hammersley(index, samples).map(f64::from);
-        let nh2 = (1.0 - a) / (1.0 + (alpha2 - 1.0) * a);
-        let (nh, sin) = (nh2.sqrt(), (1.0 - nh2).max(0.0).sqrt());
-        let vh = (view[0] * sin * (b * TAU).cos() + view[1] * nh).max(0.0);
+        let (sin_phi, cos_phi) = (b * TAU).sin_cos();
+        let z = (1.0 - a) * (1.0 + stretched[1]) - stretched[1];
+        let sin = (1.0 - z * z).max(0.0).sqrt();
+        let half =
+            [alpha * (sin * cos_phi + stretched[0]), alpha * sin * sin_phi, (z + stretched[1]).max(0.0)];
+        let length = half[0].hypot(half[1]).hypot(half[2]).max(f64::MIN_POSITIVE);
+        let nh = half[2] / length;
+        let vh = ((view[0] * half[0] + view[1] * half[2]) / length).clamp(0.0, 1.0);
         let nl = 2.0 * vh * nh - nv;
-        if nl <= 0.0 || nh <= 0.0 {
+        if nl <= 0.0 {
             continue;
         }
         let lambda_v = nl * (nv * nv * (1.0 - alpha2) + alpha2).sqrt();
         let lambda_l = nv * (nl * nl * (1.0 - alpha2) + alpha2).sqrt();
-        // Visibility times the cosine, over the density D n.h / (4 v.h) of the sampled directions.
-        let weight = 0.5 / (lambda_v + lambda_l) * nl * 4.0 * vh / nh;
-        let fresnel = (1.0 - vh.min(1.0)).powi(5);
+        // Shadowing and masking together over masking alone: the visible half vectors' density has
+        // taken care of all else.
+        let weight = nl * spread(nv) / (lambda_v + lambda_l);
+        let fresnel = (1.0 - vh).powi(5);
         scale += (1.0 - fresnel) * weight;
         bias += fresnel * weight;
     }
-    // No lobe reflects more than arrives; the sampled sums may exceed that by their error.
+    // Each weight is at most 1 but for rounding.
     let norm = f64::from(samples).max(scale + bias);
     [scale / norm, bias / norm]
 }

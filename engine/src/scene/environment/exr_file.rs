@@ -93,9 +93,7 @@ fn decode_unguarded(bytes: &[u8]) -> Decoded {
 
     let reader = exr::block::read(Cursor::new(bytes), false).map_err(explained)?;
     let chunks = reader
-        .filter_chunks(false, |_, tile, block| {
-            block.layer == part.index && tile.level_index == Vec2(0, 0)
-        })
+        .filter_chunks(false, |_, tile, block| block.layer == part.index && tile.level_index == Vec2(0, 0))
         .map_err(explained)?;
     let mut canvas = Canvas::new(&part);
     let mut batch = Vec::with_capacity(BATCH);
@@ -224,12 +222,7 @@ struct Canvas<'a> {
 
 impl<'a> Canvas<'a> {
     fn new(part: &'a Part) -> Self {
-        Self {
-            part,
-            pixels: vec![[0.0; 4]; part.size[0] * part.size[1]],
-            seen: HashSet::new(),
-            covered: 0,
-        }
+        Self { part, pixels: vec![[0.0; 4]; part.size[0] * part.size[1]], seen: HashSet::new(), covered: 0 }
     }
 
     /// Decompresses blocks and puts them into the picture.
@@ -312,7 +305,7 @@ fn rgb_of_luminance([red, luminance, blue, _]: [f32; 4], chroma: bool) -> [f32; 
     [r, (luminance - 0.2126 * r - 0.0722 * b) / 0.7152, b, 1.0]
 }
 
-/// Decompresses one block.
+/// Decompresses one block, after a look at what would make the crate take memory without bound.
 fn decompressed(chunk: Chunk, meta: &MetaData) -> Result<UncompressedBlock, String> {
     let header = meta.headers.get(chunk.layer_index).ok_or("a block of no part; the file is damaged")?;
     let bytes = match &chunk.compressed_block {
@@ -320,14 +313,40 @@ fn decompressed(chunk: Chunk, meta: &MetaData) -> Result<UncompressedBlock, Stri
         CompressedBlock::Tile(block) => &block.compressed_pixels_le,
         _ => return Err("deep data is not supported; flatten it".into()),
     };
-    // The crate expands runs until its input ends, 64 times the input's length at worst.
-    if header.compression == Compression::RLE && run_length(bytes) > 2 * MAX_BLOCK_BYTES {
-        return Err("a block's runs are longer than it; the file is damaged".into());
+    let place = header
+        .get_block_data_indices(&chunk.compressed_block)
+        .and_then(|tile| header.get_absolute_block_pixel_coordinates(tile))
+        .map_err(explained)?;
+    let expected = place.size.area() * header.channels.bytes_per_pixel;
+    // A block of just the right length is stored as it is, whatever the compression.
+    if bytes.len() != expected {
+        let largest = match header.compression {
+            Compression::RLE => run_length(bytes),
+            Compression::DWAA(_) | Compression::DWAB(_) => largest_dwa_section(bytes),
+            _ => 0,
+        };
+        if largest > 4 * expected + (1 << 16) {
+            return Err("a block decodes to more than its size; the file is damaged".into());
+        }
     }
     UncompressedBlock::decompress_chunk(chunk, meta, false).map_err(explained)
 }
 
-/// The number of bytes that run-length coded bytes stand for.
+/// The most bytes to which a section of a DWA block says that it decodes. A block begins with eleven
+/// counters; of those, 1, 6 and 7 are decoded lengths in bytes, 8 and 9 numbers of 16 bit
+/// coefficients. The crate reserves what they say, and honest ones are near the block's own size.
+fn largest_dwa_section(bytes: &[u8]) -> usize {
+    let counters = bytes.as_chunks().0.iter().take(11).map(|counter| u64::from_le_bytes(*counter));
+    let length = |(index, counter): (usize, u64)| match index {
+        1 | 6 | 7 => counter,
+        8 | 9 => counter.saturating_mul(2),
+        _ => 0,
+    };
+    let longest = counters.enumerate().map(length).max().unwrap_or(0);
+    usize::try_from(longest).unwrap_or(usize::MAX)
+}
+
+/// The number of bytes that run-length coded bytes stand for. The crate expands them all.
 fn run_length(bytes: &[u8]) -> usize {
     let (mut at, mut length) = (0, 0);
     while let Some(&code) = bytes.get(at) {

@@ -165,7 +165,9 @@ pub(super) fn decode(bytes: &[u8]) -> Decoded {
         if first[0] == 2 && first[1] == 2 && first[2] < 128 {
             let coded = usize::from(first[2]) << 8 | usize::from(first[3]);
             if coded != width {
-                return Err(format!("a row of {coded} pixels in a picture {width} wide; the file is damaged"));
+                return Err(format!(
+                    "a row of {coded} pixels in a picture {width} wide; the file is damaged"
+                ));
             }
             component_row(&mut reader, &mut row)?;
         } else {

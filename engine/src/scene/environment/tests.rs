@@ -153,7 +153,8 @@ fn prefiltering_keeps_a_sun_in_place_and_its_light_finite() {
     let mut peak_before = f32::INFINITY;
     for level in &environment.specular {
         let [width, height] = level.size.map(|side| side as usize);
-        let brightest = (0..width * height).max_by(|&a, &b| level.pixels[a][0].total_cmp(&level.pixels[b][0]));
+        let brightest =
+            (0..width * height).max_by(|&a, &b| level.pixels[a][0].total_cmp(&level.pixels[b][0]));
         let brightest = brightest.unwrap();
         let (x, y) = (brightest % width, brightest / width);
         let expected = [400.5 / 512.0 * width as f64, 90.5 / 256.0 * height as f64];
