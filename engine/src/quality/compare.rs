@@ -221,7 +221,7 @@ pub fn rings(
         )));
     }
     let width = display.size_px[0] as usize;
-    let row_sums = |(row, ((a, b), flip)): (usize, ((&[u8], &[u8]), &[f32]))| {
+    let row_sums = |row: usize, [a, b]: [&[u8]; 2], flip: &[f32]| {
         let mut sums = [Sums::default(); RING_STARTS_DEG.len()];
         let pixels = a.chunks_exact(3).zip(b.chunks_exact(3)).zip(flip);
         for (((a, b), &flip), angle) in pixels.zip(eccentricities(display, gaze_px, row)) {
@@ -235,7 +235,7 @@ pub fn rings(
     };
     let lines = a.par_chunks(3 * width).zip(b.par_chunks(3 * width)).zip(flip.par_chunks(width));
     // Collected and added in order, so that the result does not depend on the number of threads.
-    let rows: Vec<_> = lines.enumerate().map(row_sums).collect();
+    let rows: Vec<_> = lines.enumerate().map(|(row, ((a, b), flip))| row_sums(row, [a, b], flip)).collect();
     let ring = |index: usize| {
         let mut sums = Sums::default();
         for row in &rows {

@@ -62,8 +62,10 @@ struct Part {
 /// Decodes a whole file.
 ///
 /// A panic of the decoder ends in an error like any other damage; the process's panic hook has then
-/// already written its message to the standard error output. Blocks are decompressed on rayon's
-/// common threads, not on the crate's own, on which a panic would end the process.
+/// already written its message to the standard error output. Of many thousand damaged files, those
+/// that came to this had B44 blocks whose differences fall below 0, in builds with overflow checks.
+/// Blocks are decompressed on rayon's common threads, not on the crate's own, on which a panic would
+/// end the process.
 ///
 /// # Errors
 /// What is wrong with the file.

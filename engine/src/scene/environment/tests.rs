@@ -167,11 +167,43 @@ fn prefiltering_keeps_a_sun_in_place_and_its_light_finite() {
     check_whole(&environment);
 }
 
+/// Under a radiance of 1 + d . axis, a lobe that is symmetric about n sees 1 + k n . axis, where k is
+/// the lobe's mean cosine, weighted by the cosine; here by quadrature over the half vector's angle.
+#[test]
+fn prefiltering_a_gradient_gives_the_mean_cosine_of_the_lobe() {
+    let axis = [0.48_f32, 0.64, -0.6];
+    let along = |uv: [f32; 2]| direction_of_uv(uv).iter().zip(axis).map(|(a, b)| a * b).sum::<f32>();
+    let uv_of = |index: usize, [width, height]: [usize; 2]| {
+        let (x, y) = (index % width, index / width);
+        [(x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32]
+    };
+    let size = [512, 256];
+    let picture = (0..512 * 256).map(|index| [1.0 + along(uv_of(index, size)); 4]).collect();
+    let environment = Environment::from_pixels("gradient", [512, 256], picture).unwrap();
+    for (index, level) in environment.specular.iter().enumerate().skip(1) {
+        let alpha2 = (index as f64 / 5.0).powi(4);
+        let (mut squares, mut sum) = (0.0, 0.0);
+        for step in 0..20_000 {
+            let (sin, cos) = ((f64::from(step) + 0.5) / 20_000.0 * std::f64::consts::FRAC_PI_4).sin_cos();
+            let share = alpha2 / (cos * cos * (alpha2 - 1.0) + 1.0).powi(2) * cos * sin;
+            let cosine = 2.0 * cos * cos - 1.0;
+            squares += share * cosine * cosine;
+            sum += share * cosine;
+        }
+        let k = (squares / sum) as f32;
+        let size = level.size.map(|side| side as usize);
+        for (texel, value) in level.pixels.iter().enumerate() {
+            let expected = 1.0 + k * along(uv_of(texel, size));
+            assert!((value[0] - expected).abs() < 0.03, "{size:?} {texel}: {}, not {expected}", value[0]);
+        }
+    }
+}
+
 /// The definition of the reflected share, by quadrature over the hemisphere of light directions.
 fn dfg_by_quadrature(nv: f64, roughness: f64) -> [f64; 2] {
     let alpha2 = roughness.powi(4);
     let view = [(1.0 - nv * nv).sqrt(), 0.0, nv];
-    let (rows, columns) = (1500, 1500);
+    let (rows, columns) = (600, 600);
     let mut sum = [0.0; 2];
     for row in 0..rows {
         // Uniform in angle: grazing light matters at grazing views.
@@ -287,4 +319,41 @@ fn corpus_loads_or_is_refused_in_one_line() {
         assert!(ms < 20_000, "{name} took {ms} ms");
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn lossy_and_lossless_copies_agree() {
+    let Some(scenes) = shared() else { return };
+    for name in ["city", "forest", "night", "studio"] {
+        let load = |file: String| Environment::load(scenes.join("env").join(file)).unwrap();
+        let (lossy, lossless) = (load(format!("{name}.exr")), load(format!("{name}_zip.exr")));
+        assert_eq!(lossy.size, lossless.size);
+        for (a, b) in lossy.diffuse_sh.iter().flatten().zip(lossless.diffuse_sh.iter().flatten()) {
+            let scale = lossless.diffuse_sh[0][1];
+            assert!((a - b).abs() < 0.02 * scale, "{name}: {a} and {b} of {scale}");
+        }
+    }
+}
+
+#[test]
+fn of_several_resolutions_the_largest_is_read() {
+    let Some(scenes) = shared() else { return };
+    let levels = Environment::load(scenes.join("exr/MultiResolution/ColorCodedLevels.exr")).unwrap();
+    assert_eq!(levels.size, [512, 512]);
+    let luminance = Environment::load(scenes.join("exr/LuminanceChroma/Garden.exr")).unwrap();
+    assert!(luminance.pixels.iter().all(|[r, g, b, _]| r == g && g == b));
+    assert!(luminance.pixels.iter().any(|texel| texel[0] > 0.1));
+}
+
+#[test]
+fn other_files_are_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.exr");
+    for bytes in [&b""[..], b"\x89PNG\r\n\x1a\n", b"\x76\x2f\x31\x01", b"#?RADIANCE\n"] {
+        std::fs::write(&path, bytes).unwrap();
+        let error = Environment::load(&path).unwrap_err();
+        assert!(matches!(error, Error::File { .. }) && !error.to_string().contains('\n'), "{error}");
+    }
+    assert!(matches!(Environment::load(folder.path()), Err(Error::File { .. })));
+    assert!(matches!(Environment::load(folder.path().join("none.exr")), Err(Error::Io { .. })));
 }
