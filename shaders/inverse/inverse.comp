@@ -4,15 +4,15 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "shared/fovea.glsl"
+#include "shared/samples.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 0) uniform Fovea { FoveaParams fovea; };
 layout(set = 0, binding = 1) uniform texture2D lp;
 layout(set = 0, binding = 2) uniform texture2D lp_filtered;
 layout(set = 0, binding = 3, rgba16f) uniform image2D hdr;
-layout(push_constant) uniform Push { uint first_filtered_column; };
 
 vec4 fetch(ivec2 texel) {
-    return texel.x >= int(first_filtered_column)
+    return texel.x >= first_filtered_column(fovea)
         ? texelFetch(lp_filtered, texel, 0)
         : texelFetch(lp, texel, 0);
 }

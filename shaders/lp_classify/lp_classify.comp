@@ -9,11 +9,7 @@ layout(set = 0, binding = 0) uniform Fovea { FoveaParams fovea; };
 layout(set = 0, binding = 1, std430) writeonly buffer SampleList { uint samples[]; };
 layout(set = 0, binding = 2, std430) buffer Counts { SampleCounts counts; };
 layout(set = 0, binding = 3, rgba16f) uniform writeonly image2D lp;
-layout(push_constant) uniform Push {
-    uint mode;              // 0: LP texels, 1: native pixels
-    uint pad;
-    ivec2 origin_px;        // mode 1: the first pixel of the disc's box
-};
+layout(push_constant) uniform Push { uint mode; }; // 0: LP texels, 1: native pixels
 
 const uint MODE_TEXELS = 0u;
 
@@ -61,7 +57,8 @@ void main() {
             }
         }
     } else {
-        ivec2 px = origin_px + ivec2(gl_GlobalInvocationID.xy);
+        // The disc's box, at least as large as the dispatch.
+        ivec2 px = ivec2(floor(fovea.gaze_px.xy - fovea.ring.x)) + ivec2(gl_GlobalInvocationID.xy);
         if (all(greaterThanEqual(px, ivec2(0))) && all(lessThan(px, ivec2(fovea.size.xy)))) {
             needed = distance(vec2(px) + 0.5, fovea.gaze_px.xy) < fovea.ring.x;
             entry = NATIVE_SAMPLE | (uint(px.y) * fovea.size.x + uint(px.x));

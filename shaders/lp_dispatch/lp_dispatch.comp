@@ -2,6 +2,7 @@
 // and zeroes them for the next frame.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#include "shared/fovea.glsl"
 #include "shared/samples.glsl"
 layout(local_size_x = 1) in;
 layout(set = 0, binding = 0, std430) buffer Counts { SampleCounts counts; };

@@ -4,14 +4,14 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "shared/fovea.glsl"
+#include "shared/samples.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 0) uniform Fovea { FoveaParams fovea; };
 layout(set = 0, binding = 1) uniform texture2D lp;
 layout(set = 0, binding = 2, rgba16f) uniform writeonly image2D lp_filtered;
-layout(push_constant) uniform Push { uint first_column; };
 
 void main() {
-    ivec2 texel = ivec2(gl_GlobalInvocationID.xy) + ivec2(int(first_column), 0);
+    ivec2 texel = ivec2(gl_GlobalInvocationID.xy) + ivec2(first_filtered_column(fovea), 0);
     ivec2 size = ivec2(fovea.size.zw);
     if (any(greaterThanEqual(texel, size))) {
         return;

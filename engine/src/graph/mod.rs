@@ -16,6 +16,12 @@ pub struct ResourceId(usize);
 
 /// A pass: records its commands. `F` is what the renderer hands to every pass.
 pub trait Pass<F> {
+    /// Whether there is anything to record in this frame. The pass' barrier is recorded in any case,
+    /// since later ones build on it.
+    fn wanted(&self, _frame: &F) -> bool {
+        true
+    }
+
     /// Records. Barriers, labels and timestamps are around it already.
     fn record(&self, commands: ash::vk::CommandBuffer, frame: &F);
 }

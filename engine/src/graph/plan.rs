@@ -31,6 +31,12 @@ impl<F> PlanStep<F> {
         self.diagnostic
     }
 
+    /// Whether it records anything in this frame.
+    #[must_use]
+    pub fn wanted(&self, frame: &F) -> bool {
+        self.pass.wanted(frame)
+    }
+
     /// What must be over before it.
     #[must_use]
     pub fn barrier(&self) -> Option<Dependency> {
@@ -101,11 +107,13 @@ impl<F> Plan<F> {
             if let Some(barrier) = step.barrier {
                 record_barrier(context, commands, barrier);
             }
-            context.begin_label(commands, &step.label);
             times.write(commands, slot, index, 0);
-            step.pass.record(commands, frame);
+            if step.pass.wanted(frame) {
+                context.begin_label(commands, &step.label);
+                step.pass.record(commands, frame);
+                context.end_label(commands);
+            }
             times.write(commands, slot, index, 1);
-            context.end_label(commands);
         }
         record_barrier(context, commands, HOST_READ);
     }
