@@ -361,7 +361,8 @@ float fovea_kernel_inverse(FoveaParams p, float u) {
 // --- Mapping -------------------------------------------------------------------------------------
 
 // Display position (px, hi and lo) to the LP-buffer, to about 1e-12: 1e-4 px or better on the
-// display, up to 11520x6480 and for every kernel.
+// display, up to 11520x6480. Where a kernel is flat at 1 (sine; some polynomials) that holds up to
+// the last half pixel before the farthest corner; at the corner itself u = 1 has no more digits.
 LpPoint fovea_forward(FoveaParams p, vec2 px_hi, vec2 px_lo) {
     vec2 x = df_add(df_two_sum(px_hi.x, -p.gaze_px.x), df_two_sum(px_lo.x, -p.gaze_px.z));
     vec2 y = df_add(df_two_sum(px_hi.y, -p.gaze_px.y), df_two_sum(px_lo.y, -p.gaze_px.w));
