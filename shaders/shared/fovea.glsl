@@ -11,6 +11,16 @@
 
 #include "shared/df.glsl"
 
+// The kernel's kind and integer exponent are the same for a whole pipeline. A shader that runs for
+// every pixel may define both as specialisation constants before it includes this file, so that the
+// other kernels are not even compiled: a driver that masks branches would run all of them.
+#ifndef FOVEA_KERNEL_KIND
+#define FOVEA_KERNEL_KIND p.kernel.x
+#endif
+#ifndef FOVEA_INTEGER_ALPHA
+#define FOVEA_INTEGER_ALPHA p.kernel.y
+#endif
+
 const uint FOVEA_POWER = 0u;
 const uint FOVEA_POLYNOMIAL = 1u;
 const uint FOVEA_SINE = 2u;
@@ -182,11 +192,11 @@ vec2 fovea_kernel_df(FoveaParams p, vec2 z) {
         return z;
     }
     vec2 u;
-    if (p.kernel.x == FOVEA_POWER) {
-        u = p.kernel.y != 0u ? fovea_pow_integer(z, p.kernel.y) : df_exp(df_mul(df_log(z), p.shape.xy));
-    } else if (p.kernel.x == FOVEA_POLYNOMIAL) {
+    if (FOVEA_KERNEL_KIND == FOVEA_POWER) {
+        u = FOVEA_INTEGER_ALPHA != 0u ? fovea_pow_integer(z, FOVEA_INTEGER_ALPHA) : df_exp(df_mul(df_log(z), p.shape.xy));
+    } else if (FOVEA_KERNEL_KIND == FOVEA_POLYNOMIAL) {
         u = fovea_polynomial(p, z);
-    } else if (p.kernel.x == FOVEA_SINE) {
+    } else if (FOVEA_KERNEL_KIND == FOVEA_SINE) {
         if (z.x > 0.5) {
             vec2 half_sine = df_sin_small(df_mul(DF_QUARTER_PI, df_sub(vec2(1.0, 0.0), z)));
             u = df_sub(vec2(1.0, 0.0), 2.0 * df_mul(half_sine, half_sine));
@@ -199,53 +209,82 @@ vec2 fovea_kernel_df(FoveaParams p, vec2 z) {
     return fovea_clamp01(u);
 }
 
+// dK/dz, never negative.
+float fovea_kernel_slope(FoveaParams p, float z) {
+    z = clamp(z, 0.0, 1.0);
+    if (FOVEA_KERNEL_KIND == FOVEA_POWER) {
+        if (FOVEA_INTEGER_ALPHA != 0u) {
+            return FOVEA_INTEGER_ALPHA == 1u ? 1.0
+                                    : p.shape.x * fovea_pow_integer(vec2(z, 0.0), FOVEA_INTEGER_ALPHA - 1u).x;
+        }
+        return p.shape.x * fovea_exp((p.shape.x - 1.0) * fovea_log(max(z, 1e-30)));
+    }
+    if (FOVEA_KERNEL_KIND == FOVEA_POLYNOMIAL) {
+        vec4 low = p.beta_hi[0];
+        vec4 high = p.beta_hi[1];
+        return max(low.y + z * (2.0 * low.z + z * (3.0 * low.w + z * (4.0 * high.x + z * (5.0 * high.y
+            + z * (6.0 * high.z + z * 7.0 * high.w))))), 0.0);
+    }
+    if (FOVEA_KERNEL_KIND == FOVEA_SINE) {
+        float other = 1.0 - z;
+        return DF_HALF_PI.x * (other > 0.5 ? fovea_cos_small(DF_HALF_PI.x * z)
+                                           : fovea_sin_small(DF_HALF_PI.x * other));
+    }
+    return fovea_exp(z) * FOVEA_INV_E_LESS_1.x;
+}
+
+void fovea_compensated_step(inout float sum, inout float error, float z, float beta) {
+    vec2 product = df_two_prod(sum, z);
+    vec2 next = df_two_sum(product.x, beta);
+    precise float carried = error * z + (product.y + next.y);
+    sum = next.x;
+    error = carried;
+}
+
+// Horner's scheme that carries its rounding errors along (Langlois and Louvet, 2007); the second
+// part of z enters by the slope.
+vec2 fovea_polynomial_fast(FoveaParams p, vec2 z) {
+    float sum = 0.0;
+    float error = 0.0;
+    if (p.kernel.z > 4u) {
+        sum = p.beta_hi[1].w;
+        fovea_compensated_step(sum, error, z.x, p.beta_hi[1].z);
+        fovea_compensated_step(sum, error, z.x, p.beta_hi[1].y);
+        fovea_compensated_step(sum, error, z.x, p.beta_hi[1].x);
+    }
+    fovea_compensated_step(sum, error, z.x, p.beta_hi[0].w);
+    fovea_compensated_step(sum, error, z.x, p.beta_hi[0].z);
+    fovea_compensated_step(sum, error, z.x, p.beta_hi[0].y);
+    fovea_compensated_step(sum, error, z.x, 0.0);
+    return fovea_clamp01(df_two_sum(sum, error + fovea_kernel_slope(p, z.x) * z.y));
+}
+
 // K(z) for z as a pair, to about 2e-7: cheap where single precision is good enough, and pairs for
 // powers and polynomials, which pile up the rounding of their steps.
 vec2 fovea_kernel_fast(FoveaParams p, vec2 z) {
-    if (p.kernel.x == FOVEA_SINE) {
+    if (FOVEA_KERNEL_KIND == FOVEA_SINE) {
         if (z.x > 0.5) {
             float half_sine = fovea_sin_small(DF_QUARTER_PI.x * ((1.0 - z.x) - z.y));
             return df_quick_two_sum(1.0, -2.0 * half_sine * half_sine);
         }
         return vec2(fovea_sin_small(DF_HALF_PI.x * (z.x + z.y)), 0.0);
     }
-    if (p.kernel.x == FOVEA_EXPONENTIAL) {
+    if (FOVEA_KERNEL_KIND == FOVEA_EXPONENTIAL) {
         // Nested, so that each rounding is damped by the factor outside.
         float x = z.x;
-        float expm1 = x * (1.0 + x * (1.0 / 2.0) * (1.0 + x * (1.0 / 3.0) * (1.0 + x * (1.0 / 4.0) *
-            (1.0 + x * (1.0 / 5.0) * (1.0 + x * (1.0 / 6.0) * (1.0 + x * (1.0 / 7.0) *
-            (1.0 + x * (1.0 / 8.0) * (1.0 + x * (1.0 / 9.0) * (1.0 + x * (1.0 / 10.0) *
-            (1.0 + x * (1.0 / 11.0)))))))))));
+        float expm1 = x * (1.0 + x * (1.0 / 2.0) * (1.0 + x * (1.0 / 3.0) * (1.0 + x * (1.0 / 4.0)
+            * (1.0 + x * (1.0 / 5.0) * (1.0 + x * (1.0 / 6.0) * (1.0 + x * (1.0 / 7.0)
+            * (1.0 + x * (1.0 / 8.0) * (1.0 + x * (1.0 / 9.0) * (1.0 + x * (1.0 / 10.0)
+            * (1.0 + x * (1.0 / 11.0)))))))))));
         return vec2(min((expm1 + (1.0 + expm1) * z.y) * FOVEA_INV_E_LESS_1.x, 1.0), 0.0);
     }
-    if (p.kernel.x == FOVEA_POWER && p.kernel.y == 0u) {
-        return vec2(min(fovea_exp(p.shape.x * (fovea_log(z.x) + z.y / z.x)), 1.0), 0.0);
+    if (FOVEA_KERNEL_KIND == FOVEA_POLYNOMIAL) {
+        return fovea_polynomial_fast(p, z);
     }
-    return fovea_kernel_df(p, z);
-}
-
-// dK/dz, never negative.
-float fovea_kernel_slope(FoveaParams p, float z) {
-    z = clamp(z, 0.0, 1.0);
-    if (p.kernel.x == FOVEA_POWER) {
-        if (p.kernel.y != 0u) {
-            return p.kernel.y == 1u ? 1.0
-                                    : p.shape.x * fovea_pow_integer(vec2(z, 0.0), p.kernel.y - 1u).x;
-        }
-        return p.shape.x * fovea_exp((p.shape.x - 1.0) * fovea_log(max(z, 1e-30)));
+    if (FOVEA_INTEGER_ALPHA != 0u) {
+        return fovea_pow_integer(z, FOVEA_INTEGER_ALPHA);
     }
-    if (p.kernel.x == FOVEA_POLYNOMIAL) {
-        vec4 low = p.beta_hi[0];
-        vec4 high = p.beta_hi[1];
-        return max(low.y + z * (2.0 * low.z + z * (3.0 * low.w + z * (4.0 * high.x + z * (5.0 * high.y
-            + z * (6.0 * high.z + z * 7.0 * high.w))))), 0.0);
-    }
-    if (p.kernel.x == FOVEA_SINE) {
-        float other = 1.0 - z;
-        return DF_HALF_PI.x * (other > 0.5 ? fovea_cos_small(DF_HALF_PI.x * z)
-                                           : fovea_sin_small(DF_HALF_PI.x * other));
-    }
-    return fovea_exp(z) * FOVEA_INV_E_LESS_1.x;
+    return vec2(min(fovea_exp(p.shape.x * (fovea_log(z.x) + z.y / z.x)), 1.0), 0.0);
 }
 
 // K(z); the error is below 1 ulp.
@@ -259,7 +298,8 @@ float fovea_polynomial_root(FoveaParams p, float u) {
     float high = 1.0;
     float z = u;
     for (int i = 0; i < 32; ++i) {
-        float miss = fovea_polynomial(p, vec2(z, 0.0)).x - u;
+        vec2 reached = fovea_polynomial_fast(p, vec2(z, 0.0));
+        float miss = (reached.x - u) + reached.y;
         if (miss < 0.0) {
             low = z;
         } else {
@@ -284,7 +324,7 @@ vec2 fovea_kernel_inverse_pair(FoveaParams p, vec2 u) {
     if (u.x < 1e-30 || u == vec2(1.0, 0.0)) {
         return u.x < 1e-30 ? vec2(0.0) : u;
     }
-    if (p.kernel.x == FOVEA_SINE) {
+    if (FOVEA_KERNEL_KIND == FOVEA_SINE) {
         // The arc sine's slope is infinite at 1; the half-angle form's is not, and no step of
         // Newton's method is needed.
         if (u.x > 0.5) {
@@ -294,12 +334,12 @@ vec2 fovea_kernel_inverse_pair(FoveaParams p, vec2 u) {
         return vec2(fovea_asin_small(u.x) / DF_HALF_PI.x, 0.0);
     }
     float z = u.x;
-    if (p.kernel.x == FOVEA_POWER) {
-        if (p.kernel.y == 1u) {
+    if (FOVEA_KERNEL_KIND == FOVEA_POWER) {
+        if (FOVEA_INTEGER_ALPHA == 1u) {
             return u;
         }
         z = fovea_exp(p.shape.z * fovea_log(u.x));
-    } else if (p.kernel.x == FOVEA_POLYNOMIAL) {
+    } else if (FOVEA_KERNEL_KIND == FOVEA_POLYNOMIAL) {
         z = fovea_polynomial_root(p, u.x);
     } else {
         z = fovea_log(1.0 + FOVEA_E_LESS_1 * u.x);
@@ -321,7 +361,8 @@ float fovea_kernel_inverse(FoveaParams p, float u) {
 // --- Mapping -------------------------------------------------------------------------------------
 
 // Display position (px, hi and lo) to the LP-buffer, to about 1e-12: 1e-4 px or better on the
-// display, up to 11520x6480 and for every kernel.
+// display, up to 11520x6480. Where a kernel is flat at 1 (sine; some polynomials) that holds up to
+// the last half pixel before the farthest corner; at the corner itself u = 1 has no more digits.
 LpPoint fovea_forward(FoveaParams p, vec2 px_hi, vec2 px_lo) {
     vec2 x = df_add(df_two_sum(px_hi.x, -p.gaze_px.x), df_two_sum(px_lo.x, -p.gaze_px.z));
     vec2 y = df_add(df_two_sum(px_hi.y, -p.gaze_px.y), df_two_sum(px_lo.y, -p.gaze_px.w));

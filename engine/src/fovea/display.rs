@@ -71,8 +71,7 @@ impl DisplayGeometry {
     #[must_use]
     pub fn px_of_ray(&self, ray: DVec3) -> Option<DVec2> {
         let ahead = -ray.z;
-        // Written so that a NaN takes this branch too.
-        if !(ahead > 0.0) {
+        if ahead.is_nan() || ahead <= 0.0 {
             return None;
         }
         let share = DVec2::new(

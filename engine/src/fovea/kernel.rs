@@ -152,7 +152,7 @@ fn check_polynomial(beta: &[f64; MAX_COEFFICIENTS]) -> Result<()> {
         return refuse(format!("must start with beta_0 = 0; it is {}", beta[0]));
     }
     let sum: f64 = beta.iter().sum();
-    if !((sum - 1.0).abs() <= SUM_TOLERANCE) {
+    if (sum - 1.0).abs() > SUM_TOLERANCE {
         return refuse(format!("must add up to 1; they add up to {sum}"));
     }
     if falls_somewhere(&slope_coefficients(beta)) {
@@ -190,11 +190,11 @@ fn piece_falls<const N: usize>(bernstein: &[f64; N], tolerance: f64, cuts_left: 
     }
     // De Casteljau's scheme at the middle yields the coefficients of both halves.
     let (mut left, mut right) = (*bernstein, *bernstein);
-    for round in 1..N {
+    for (round, kept) in left.iter_mut().enumerate().skip(1) {
         for index in 0..N - round {
             right[index] = f64::midpoint(right[index], right[index + 1]);
         }
-        left[round] = right[0];
+        *kept = right[0];
     }
     piece_falls(&left, tolerance, cuts_left - 1) || piece_falls(&right, tolerance, cuts_left - 1)
 }

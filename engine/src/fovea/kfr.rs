@@ -74,8 +74,7 @@ impl KfrMapping {
     #[must_use]
     pub fn new(size_px: [u32; 2], gaze_px: DVec2, kernel: Kernel, sigma: f64) -> Self {
         debug_assert!(sigma > 0.0, "sigma is checked by the settings");
-        let gaze_px =
-            if gaze_px.is_finite() { clamp_gaze_px(gaze_px) } else { size_dvec2_px(size_px) / 2.0 };
+        let gaze_px = if gaze_px.is_finite() { clamp_gaze_px(gaze_px) } else { size_dvec2_px(size_px) / 2.0 };
         // The cast saturates, so that a tiny sigma does not wrap around.
         let texels = |pixels: u32| ((f64::from(pixels) / sigma).round() as u32).max(1);
         let mut mapping = Self {
@@ -247,9 +246,8 @@ impl KfrMapping {
         let [width, height] = self.lp_size.map(f64::from);
         let scale = TAU * self.log_reach / (width * height);
         // area = scale r^2 / K'(z); multiplied out, so that K' = 0 needs no care.
-        let within = |z: f64| {
-            scale * (2.0 * self.log_reach * z).exp() <= area_px2 * self.kernel.derivative(z)
-        };
+        let within =
+            |z: f64| scale * (2.0 * self.log_reach * z).exp() <= area_px2 * self.kernel.derivative(z);
         let at = |step: u32| f64::from(step) / f64::from(STEPS);
         let step = (0..=STEPS).rev().find(|step| within(at(*step)))?;
         if step == STEPS {
