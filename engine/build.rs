@@ -90,14 +90,9 @@ fn compile(root: &Path, path: &Path, stage: ShaderStage) -> Result<Vec<u32>, Str
     };
     let source = ShaderSource::from(text);
     let mut includes = Includes(root);
-    let input = ShaderInput::new(
-        &source,
-        stage,
-        &options,
-        None::<&[(&str, Option<&str>)]>,
-        Some(&mut includes),
-    )
-    .map_err(|error| at(&error))?;
+    let input =
+        ShaderInput::new(&source, stage, &options, None::<&[(&str, Option<&str>)]>, Some(&mut includes))
+            .map_err(|error| at(&error))?;
     let shader = Shader::new(compiler, input).parse().map_err(|error| at(&error))?;
     let mut program = Program::new(compiler);
     program.add_shader(&shader);

@@ -1,12 +1,22 @@
 //! Rendering without a window: the engine's own device, pictures read back to the CPU.
 
-use crate::error::{Error, Result};
-use crate::fovea::{DisplayGeometry, Kernel, LpCoord};
-use crate::scene::Scene;
-use crate::scene::environment::Environment;
+pub use crate::content::{Content, GpuContent as SharedContent};
+pub use crate::gpu::owned::{DeviceReport, FeatureReport, device_reports};
+pub use crate::renderer::FrameInput;
+
+use crate::error::Result;
+use crate::fovea::{DisplayGeometry, FoveaParams, Kernel, KfrMapping, LpCoord};
+use crate::gpu::resource::ImageDesc;
+use crate::gpu::{Context, Image, owned, submit};
+use crate::host::TargetImage;
+use crate::passes;
+use crate::renderer::{FrameSlot, Renderer};
 use crate::settings::RenderSettings;
 use crate::stats::{Effects, FrameStats};
-use glam::{DMat4, DVec2};
+use ash::vk;
+use glam::DVec2;
+use half::f16;
+use std::sync::Arc;
 
 /// How to make a device.
 #[derive(Clone, Debug, Default)]
@@ -16,127 +26,221 @@ pub struct DeviceOptions {
 }
 
 /// The engine's own Vulkan device.
-pub struct HeadlessDevice;
+pub struct HeadlessDevice {
+    context: Arc<Context>,
+}
 
 impl HeadlessDevice {
     /// Makes a device on the best GPU, or else on a software driver.
     ///
     /// # Errors
-    /// [`Error::NoDevice`] where no Vulkan 1.3 driver is found.
-    pub fn new(_options: &DeviceOptions) -> Result<Self> {
-        Err(Error::NoDevice("not built yet".into()))
+    /// [`crate::Error::NoDevice`] where no Vulkan 1.3 driver is found.
+    pub fn new(options: &DeviceOptions) -> Result<Self> {
+        Ok(Self { context: owned::make_context(options.validation)? })
     }
 
     /// The device's name.
     #[must_use]
     pub fn name(&self) -> &str {
-        ""
+        self.context.name()
     }
 
     /// The driver's name and version.
     #[must_use]
     pub fn driver(&self) -> &str {
-        ""
+        self.context.driver()
     }
 
     /// Messages of the validation layer so far; `None` where the layer is off or not installed.
     #[must_use]
     pub fn validation_messages(&self) -> Option<u64> {
-        None
+        self.context.validation_messages()
+    }
+
+    /// What renderers are built on.
+    #[must_use]
+    pub fn context(&self) -> &Arc<Context> {
+        &self.context
     }
 }
 
-/// What is rendered.
-pub enum Content<'a> {
-    /// A triangle scene and what surrounds it.
-    Scene {
-        /// The scene.
-        scene: &'a Scene,
-        /// Sky and ambient light.
-        environment: Option<&'a Environment>,
-    },
-    /// The ray-marched scene of signed-distance primitives.
-    SdfPrimitives,
-}
-
 /// [`Content`] in GPU memory; several renderers can share it.
-pub struct GpuContent;
+pub struct GpuContent(SharedContent);
 
 impl GpuContent {
     /// Uploads.
     ///
     /// # Errors
-    /// [`Error::Memory`] and [`Error::Vulkan`].
-    pub fn upload(_device: &HeadlessDevice, _content: &Content<'_>) -> Result<Self> {
-        Err(Error::NoDevice("not built yet".into()))
+    /// [`crate::Error::Memory`] and [`crate::Error::Vulkan`].
+    pub fn upload(device: &HeadlessDevice, content: &Content<'_>) -> Result<Self> {
+        SharedContent::upload(&device.context, content).map(Self)
     }
 }
 
-/// What changes from frame to frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrameInput {
-    /// Where the eye stands: right-handed view space, `-Z` forward, no scale.
-    pub world_from_view: DMat4,
-    /// Gaze in display pixels, x right and y down; off the display is allowed. Not finite: the
-    /// last finite one is used (the display's centre before the first), and the statistics say so.
-    pub gaze_px: DVec2,
-}
-
 /// Renders frames of one content with one set of settings.
-pub struct OffscreenRenderer;
+pub struct OffscreenRenderer {
+    renderer: Renderer,
+    target: Image,
+    pool: vk::CommandPool,
+    commands: vk::CommandBuffer,
+    fence: vk::Fence,
+    context: Arc<Context>,
+}
 
 impl OffscreenRenderer {
     /// Builds pipelines, buffers and the frame graph.
     ///
     /// # Errors
-    /// [`Error::Setting`], [`Error::Memory`] and [`Error::Vulkan`].
-    pub fn new(_device: &HeadlessDevice, _content: &GpuContent, _settings: &RenderSettings) -> Result<Self> {
-        Err(Error::NoDevice("not built yet".into()))
+    /// [`crate::Error::Setting`], [`crate::Error::Memory`] and [`crate::Error::Vulkan`].
+    pub fn new(device: &HeadlessDevice, content: &GpuContent, settings: &RenderSettings) -> Result<Self> {
+        let context = &device.context;
+        let format = vk::Format::R8G8B8A8_UNORM;
+        let renderer = Renderer::new(context, &content.0, settings, format)?;
+        let target = Image::new(
+            context,
+            &ImageDesc {
+                name: "target",
+                size: settings.display.size_px,
+                layers: 1,
+                levels: 1,
+                format,
+                usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
+                array_view: false,
+            },
+        )?;
+        submit::submit_and_wait(context, "preparing the target", |commands| {
+            submit::to_general(context, commands, &[&target]);
+            Ok(())
+        })?;
+        let mut made = Self {
+            renderer,
+            target,
+            pool: vk::CommandPool::null(),
+            commands: vk::CommandBuffer::null(),
+            fence: vk::Fence::null(),
+            context: context.clone(),
+        };
+        made.make_commands()?;
+        Ok(made)
+    }
+
+    fn make_commands(&mut self) -> Result<()> {
+        let pool = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
+            .queue_family_index(self.context.queue_family);
+        let what = || "preparing to record frames".to_owned();
+        let device = &self.context.device;
+        // SAFETY: the device is alive; the objects are destroyed with `self`.
+        unsafe {
+            self.pool = Context::check(device.create_command_pool(&pool, None), what)?;
+            let info =
+                vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
+            self.commands = Context::check(device.allocate_command_buffers(&info), what)?[0];
+            self.fence = Context::check(device.create_fence(&vk::FenceCreateInfo::default(), None), what)?;
+        }
+        Ok(())
     }
 
     /// Renders one frame and waits for it.
     ///
     /// # Errors
-    /// [`Error::DeviceLost`] and [`Error::Vulkan`].
-    pub fn render(&mut self, _input: &FrameInput) -> Result<FrameStats> {
-        Err(Error::NoDevice("not built yet".into()))
+    /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
+    pub fn render(&mut self, input: &FrameInput) -> Result<FrameStats> {
+        let slot = self.submit(input)?;
+        self.renderer.read_stats(slot)
+    }
+
+    /// Renders one frame and waits for it, without reading its figures: allocates nothing.
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
+    pub fn submit(&mut self, input: &FrameInput) -> Result<FrameSlot> {
+        let what = || "rendering a frame".to_owned();
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        let target = TargetImage {
+            image: self.target.image,
+            view: self.target.view,
+            entry_layout: vk::ImageLayout::GENERAL,
+            exit_layout: vk::ImageLayout::GENERAL,
+        };
+        let device = &self.context.device;
+        // SAFETY: the frame before has been waited for, so the command buffer and the fence are free.
+        unsafe {
+            Context::check(device.begin_command_buffer(self.commands, &begin), what)?;
+            let slot = self.renderer.record_frame(self.commands, input, &target);
+            Context::check(device.end_command_buffer(self.commands), what)?;
+            let list = [self.commands];
+            let submits = [vk::SubmitInfo::default().command_buffers(&list)];
+            let done = device
+                .queue_submit(self.context.queue, &submits, self.fence)
+                .and_then(|()| device.wait_for_fences(&[self.fence], true, u64::MAX))
+                .and_then(|()| device.reset_fences(&[self.fence]));
+            Context::check(done, what)?;
+            Ok(slot)
+        }
     }
 
     /// What the effect plan decided for the last frame.
     #[must_use]
     pub fn effects(&self) -> &Effects {
-        unreachable!()
+        self.renderer.effects()
     }
 
     /// The frame graph in words: resources, passes in order, every barrier.
     #[must_use]
     pub fn plan_text(&self) -> String {
-        String::new()
+        self.renderer.plan_text()
     }
 
     /// The last picture, tone-mapped and sRGB-encoded: `4 * width * height` bytes, alpha 255.
     ///
     /// # Errors
-    /// [`Error::Vulkan`].
+    /// [`crate::Error::Vulkan`].
     pub fn read_rgba8(&mut self) -> Result<Vec<u8>> {
-        Err(Error::NoDevice("not built yet".into()))
+        submit::read_image(&self.context, "the picture", &self.target, 4)
     }
 
     /// The last picture as linear radiance: `4 * width * height` values, alpha 1.
     ///
     /// # Errors
-    /// [`Error::Vulkan`].
+    /// [`crate::Error::Vulkan`].
     pub fn read_hdr(&mut self) -> Result<Vec<f32>> {
-        Err(Error::NoDevice("not built yet".into()))
+        let targets = self.renderer.targets();
+        let image = match self.renderer.settings().post_filtered() {
+            true => &targets.hdr_post,
+            false => &targets.hdr,
+        };
+        read_half(&self.context, "the radiance", image)
     }
 
     /// The last LP-buffer (width, height, linear RGBA; alpha 0 where a texel was not shaded), or
     /// `None` for full shading.
     ///
     /// # Errors
-    /// [`Error::Vulkan`].
+    /// [`crate::Error::Vulkan`].
     pub fn read_lp(&mut self) -> Result<Option<(u32, u32, Vec<f32>)>> {
-        Err(Error::NoDevice("not built yet".into()))
+        if !self.renderer.settings().foveated() {
+            return Ok(None);
+        }
+        let image = &self.renderer.targets().lp;
+        let [width, height] = image.size;
+        Ok(Some((width, height, read_half(&self.context, "the LP-buffer", image)?)))
+    }
+}
+
+fn read_half(context: &Arc<Context>, name: &str, image: &Image) -> Result<Vec<f32>> {
+    let bytes = submit::read_image(context, name, image, 8)?;
+    Ok(bytes.chunks_exact(2).map(|pair| f16::from_ne_bytes([pair[0], pair[1]]).to_f32()).collect())
+}
+
+impl Drop for OffscreenRenderer {
+    fn drop(&mut self) {
+        // SAFETY: every frame was waited for; after a lost device nothing runs any more.
+        unsafe {
+            let _ = self.context.device.device_wait_idle();
+            self.context.device.destroy_fence(self.fence, None);
+            self.context.device.destroy_command_pool(self.pool, None);
+        }
     }
 }
 
@@ -144,13 +248,15 @@ impl OffscreenRenderer {
 /// passes use.
 ///
 /// # Errors
-/// [`Error::Vulkan`].
+/// [`crate::Error::Vulkan`].
 pub fn map_points_on_gpu(
-    _device: &HeadlessDevice,
-    _display: &DisplayGeometry,
-    _gaze_px: DVec2,
-    _kernel: &Kernel,
-    _points_px: &[DVec2],
+    device: &HeadlessDevice,
+    display: &DisplayGeometry,
+    gaze_px: DVec2,
+    kernel: &Kernel,
+    points_px: &[DVec2],
 ) -> Result<Vec<LpCoord>> {
-    Err(Error::NoDevice("not built yet".into()))
+    // The normalised coordinates do not depend on the LP-buffer's size.
+    let mapping = KfrMapping::new(display.size_px, gaze_px, *kernel, 1.0);
+    passes::map_points(&device.context, &FoveaParams::new(&mapping), points_px)
 }

@@ -62,4 +62,8 @@ pub struct FrameStats {
     pub lp: Option<LpStats>,
     /// NaN and infinite values found, where the check ran.
     pub non_finite: Option<u64>,
+    /// Display pixels that no sample reached, where the check ran; 0 unless something is wrong.
+    pub holes: Option<u64>,
+    /// The gaze was not finite, and the last valid one was used.
+    pub gaze_held: bool,
 }

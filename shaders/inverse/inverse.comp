@@ -3,6 +3,11 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
+// The mapping runs for every pixel: only the kernel in use is compiled in.
+layout(constant_id = 0) const uint KERNEL_KIND = 0u;
+layout(constant_id = 1) const uint INTEGER_ALPHA = 0u;
+#define FOVEA_KERNEL_KIND KERNEL_KIND
+#define FOVEA_INTEGER_ALPHA INTEGER_ALPHA
 #include "shared/fovea.glsl"
 #include "shared/samples.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;

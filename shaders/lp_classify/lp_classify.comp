@@ -9,6 +9,8 @@ layout(set = 0, binding = 0) uniform Fovea { FoveaParams fovea; };
 layout(set = 0, binding = 1, std430) writeonly buffer SampleList { uint samples[]; };
 layout(set = 0, binding = 2, std430) buffer Counts { SampleCounts counts; };
 layout(set = 0, binding = 3, rgba16f) uniform writeonly image2D lp;
+layout(set = 0, binding = 4, std430) readonly buffer LpTables { vec4 lp_tables[]; };
+#include "shared/lp_tables.glsl"
 layout(push_constant) uniform Push { uint mode; }; // 0: LP texels, 1: native pixels
 
 const uint MODE_TEXELS = 0u;
@@ -25,16 +27,13 @@ float outside_px(vec2 px) {
 
 // A texel is read if its own or a neighbouring texel's area touches the display outside the disc.
 bool texel_needed(uvec2 texel, out bool on_display) {
-    vec2 centre = vec2(texel) + 0.5;
-    vec2 offset = fovea_inverse_offset(fovea, centre);
-    vec2 px = offset + fovea.gaze_px.xy;
+    vec4 radii = column_radii_px(texel.x);
+    vec2 px = row_direction(texel.y) * radii.x + fovea.gaze_px.xy;
     on_display = all(greaterThanEqual(px, vec2(0.0))) && all(lessThan(px, fovea.size_f.zw));
-    float r = length(offset);
-    float r_out = length(fovea_inverse_offset(fovea, vec2(min(centre.x + 1.0, fovea.size_f.x), centre.y)));
-    // The display's farthest corner lies on the last column's outer edge.
-    vec2 step_px = vec2(max(r_out - r, 0.0), r_out * (6.2831853 / fovea.size_f.y));
+    // A pixel reads the four texels around it: those whose centres are less than a texel away.
+    vec2 step_px = vec2(radii.w - radii.x, row_height_px(radii.w));
     float disc = fovea.ring.x - fovea.ring.y;
-    return r_out + 1.0 >= disc && outside_px(px) <= length(step_px) + 1.0;
+    return radii.w + 1.0 >= disc && outside_px(px) <= length(step_px) + 1.0;
 }
 
 void main() {

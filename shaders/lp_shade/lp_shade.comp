@@ -15,7 +15,8 @@ void main() {
         px = native_px(entry);
     } else {
         // The texel's centre may lie just outside the display: the inverse pass interpolates with it.
-        vec2 at = fovea_inverse_offset(fovea, vec2(lp_texel(entry)) + 0.5) + fovea.gaze_px.xy;
+        uvec2 texel = uvec2(lp_texel(entry));
+        vec2 at = row_direction(texel.y) * column_radii_px(texel.x).x + fovea.gaze_px.xy;
         px = clamp(ivec2(floor(at)), ivec2(0), ivec2(fovea.size.xy) - 1);
     }
     vec4 radiance = vec4(shade_px(px), 1.0);

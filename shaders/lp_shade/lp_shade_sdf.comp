@@ -12,20 +12,26 @@ void main() {
     bool native_sample = (entry & NATIVE_SAMPLE) != 0u;
     ivec2 px = native_px(entry);
     ivec2 texel = lp_texel(entry);
-    vec2 centre = vec2(texel) + 0.5;
     float footprint = 1.0;
+    vec4 radii = vec4(0.0);
+    vec2 direction = vec2(0.0);
+    float row_angle = 6.2831853 / fovea.size_f.y;
     if (!native_sample) {
-        vec2 at = fovea_inverse_offset(fovea, centre);
-        float r_out = length(fovea_inverse_offset(fovea, centre + vec2(1.0, 0.0)));
-        float r = length(at);
-        footprint = max(1.0, max(r_out - r, r * (6.2831853 / fovea.size_f.y)));
+        radii = column_radii_px(uint(texel.x));
+        direction = row_direction(uint(texel.y));
+        footprint = max(1.0, max(radii.z - radii.y, row_height_px(radii.x)));
     }
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < samples_per_pixel; ++i) {
         vec2 offset = sample_offset(i);
-        vec2 at = native_sample
-            ? vec2(px) + 0.5 + offset
-            : fovea_inverse_offset(fovea, centre + offset) + fovea.gaze_px.xy;
+        vec2 at = vec2(px) + 0.5 + offset;
+        if (!native_sample) {
+            // Within the texel the radius is close to linear in u.
+            float radius_px = mix(radii.y, radii.z, offset.x + 0.5);
+            vec2 turn = vec2(cos(offset.y * row_angle), sin(offset.y * row_angle));
+            vec2 turned = vec2(direction.x * turn.x - direction.y * turn.y, direction.x * turn.y + direction.y * turn.x);
+            at = turned * radius_px + fovea.gaze_px.xy;
+        }
         sum += march_px(at, footprint);
     }
     vec4 radiance = vec4(storable(sum / float(samples_per_pixel)), 1.0);

@@ -1,10 +1,12 @@
-// Where the samples of the list come from and go to. Bindings 9 to 13.
+// Where the samples of the list come from and go to. Bindings 9 to 14.
 #include "shared/fovea.glsl"
 #include "shared/samples.glsl"
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 9) uniform Fovea { FoveaParams fovea; };
 layout(set = 0, binding = 10, std430) readonly buffer SampleList { uint samples[]; };
 layout(set = 0, binding = 11, std430) readonly buffer Indirect { uint groups_x; uint groups_y; uint groups_z; uint sample_count; };
+layout(set = 0, binding = 14, std430) readonly buffer LpTables { vec4 lp_tables[]; };
+#include "shared/lp_tables.glsl"
 layout(set = 0, binding = 12, rgba16f) uniform writeonly image2D lp;
 layout(set = 0, binding = 13, rgba16f) uniform writeonly image2D hdr;
 

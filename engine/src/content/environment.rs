@@ -54,8 +54,8 @@ fn halves<'a>(texels: impl Iterator<Item = &'a [f32; 4]>) -> Vec<u8> {
 impl GpuEnvironment {
     pub(super) fn upload(context: &Arc<Context>, environment: Option<&Environment>) -> Result<Self> {
         let black = [[0.0, 0.0, 0.0, 1.0]];
-        let (sky_size, sky) = environment
-            .map_or(([1, 1], halves(black.iter())), |of| (of.size, halves(of.pixels.iter())));
+        let (sky_size, sky) =
+            environment.map_or(([1, 1], halves(black.iter())), |of| (of.size, halves(of.pixels.iter())));
         let (specular_size, specular) = environment.map_or(([1, 1], vec![halves(black.iter())]), |of| {
             (of.specular[0].size, of.specular.iter().map(|level| halves(level.pixels.iter())).collect())
         });

@@ -138,7 +138,10 @@ fn record(material: &scene::Material) -> structs::Material {
     let use_of = |of: Option<TextureUse>| {
         of.map_or_else(structs::TextureUse::default, |of| {
             let [u, v] = of.uv_transform;
-            structs::TextureUse { row_u: u.extend(of.uv_set as f32).to_array(), row_v: v.extend(1.0).to_array() }
+            structs::TextureUse {
+                row_u: u.extend(of.uv_set as f32).to_array(),
+                row_v: v.extend(1.0).to_array(),
+            }
         })
     };
     let cutoff = match material.alpha_mode {

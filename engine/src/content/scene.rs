@@ -95,7 +95,12 @@ impl GpuScene {
             a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
         });
         Ok(Self {
-            vertices: submit::upload_buffer(context, "vertices", &vertices, vk::BufferUsageFlags::VERTEX_BUFFER)?,
+            vertices: submit::upload_buffer(
+                context,
+                "vertices",
+                &vertices,
+                vk::BufferUsageFlags::VERTEX_BUFFER,
+            )?,
             indices: submit::upload_buffer(context, "indices", &indices, vk::BufferUsageFlags::INDEX_BUFFER)?,
             materials: GpuMaterials::upload(context, scene)?,
             environment: GpuEnvironment::upload(context, environment)?,

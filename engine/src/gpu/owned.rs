@@ -69,9 +69,9 @@ pub(crate) fn make_instance(entry: &ash::Entry, validation: bool) -> Result<(ash
     }
     // SAFETY: no preconditions.
     let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }.unwrap_or_default();
-    let debug_utils = extensions
-        .iter()
-        .any(|extension| extension.extension_name_as_c_str().is_ok_and(|name| name == ext::debug_utils::NAME));
+    let debug_utils = extensions.iter().any(|extension| {
+        extension.extension_name_as_c_str().is_ok_and(|name| name == ext::debug_utils::NAME)
+    });
     let validation = validation && debug_utils && has_validation_layer(entry);
     let application = vk::ApplicationInfo::default()
         .application_name(c"macula")
@@ -178,8 +178,15 @@ pub(crate) fn make_context(validation: bool) -> Result<Arc<Context>> {
         _entry: entry,
     };
     let cache_file = cache_folder().map(|folder| folder.join("pipelines.bin"));
-    let parts =
-        ContextParts { instance, physical_device, device, queue, queue_family: family, debug_utils, cache_file };
+    let parts = ContextParts {
+        instance,
+        physical_device,
+        device,
+        queue,
+        queue_family: family,
+        debug_utils,
+        cache_file,
+    };
     Context::build(parts, Some(owned))
 }
 
@@ -240,4 +247,109 @@ fn cache_folder() -> Option<PathBuf> {
         .map(PathBuf::from)
         .or_else(|| std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".cache")))?;
     Some(base.join("macula"))
+}
+
+/// One feature of a device.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FeatureReport {
+    /// Vulkan's name.
+    pub name: &'static str,
+    /// The device has it.
+    pub present: bool,
+    /// What the engine uses it for.
+    pub needed_for: &'static str,
+    /// Without it the engine does not run.
+    pub required: bool,
+}
+
+/// A device as `macula doctor` shows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeviceReport {
+    /// Name.
+    pub name: String,
+    /// Driver and version.
+    pub driver: String,
+    /// Vulkan version, as in `1.3.230`.
+    pub api_version: String,
+    /// Discrete, integrated, virtual, software or other.
+    pub device_type: &'static str,
+    /// The engine can run on it.
+    pub usable: bool,
+    /// What it lacks, one clause each.
+    pub missing: Vec<String>,
+    /// Features.
+    pub features: Vec<FeatureReport>,
+    /// Longest side of an image, texels.
+    pub max_image_px: u32,
+    /// Largest storage buffer, bytes.
+    pub max_storage_bytes: u32,
+    /// Nanoseconds of a timestamp's tick.
+    pub timestamp_period_ns: f32,
+}
+
+/// Every Vulkan device of this machine, best first, and whether the validation layer is installed.
+///
+/// # Errors
+/// [`Error::NoDevice`] where there is no Vulkan loader or no driver.
+pub fn device_reports() -> Result<(Vec<DeviceReport>, bool)> {
+    let entry = load_entry()?;
+    let (instance, _) = make_instance(&entry, false)?;
+    let reports: Vec<_> =
+        devices_by_preference(&instance).into_iter().map(|device| report(&instance, device)).collect();
+    let validation = has_validation_layer(&entry);
+    // SAFETY: nothing else was made from the instance.
+    unsafe { instance.destroy_instance(None) };
+    if reports.is_empty() {
+        return Err(no_driver());
+    }
+    Ok((reports, validation))
+}
+
+fn report(instance: &ash::Instance, device: vk::PhysicalDevice) -> DeviceReport {
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+    // SAFETY: the handle came from this instance, which is of version 1.3.
+    unsafe { instance.get_physical_device_properties2(device, &mut properties) };
+    let properties = properties.properties;
+    let text = |text: Result<&CStr, std::ffi::FromBytesUntilNulError>| {
+        text.map_or_else(|_| String::new(), |text| text.to_string_lossy().into_owned())
+    };
+    let mut missing = host::missing_requirements(instance, device);
+    if queue_family(instance, device).is_none() {
+        missing.push("a queue for graphics and compute with timestamps".to_owned());
+    }
+    let has = |feature: &str| !missing.iter().any(|lack| lack == feature || lack.starts_with("Vulkan 1.3"));
+    let required = |name: &'static str, needed_for: &'static str| FeatureReport {
+        name,
+        present: has(name),
+        needed_for,
+        required: true,
+    };
+    let version = properties.api_version;
+    DeviceReport {
+        name: text(properties.device_name_as_c_str()),
+        driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
+        api_version: format!(
+            "{}.{}.{}",
+            vk::api_version_major(version),
+            vk::api_version_minor(version),
+            vk::api_version_patch(version)
+        ),
+        device_type: match properties.device_type {
+            vk::PhysicalDeviceType::DISCRETE_GPU => "discrete",
+            vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated",
+            vk::PhysicalDeviceType::VIRTUAL_GPU => "virtual",
+            vk::PhysicalDeviceType::CPU => "software",
+            _ => "other",
+        },
+        usable: missing.is_empty(),
+        features: vec![
+            required("dynamicRendering", "every raster pass"),
+            required("synchronization2", "barriers and timestamps"),
+        ],
+        missing,
+        max_image_px: properties.limits.max_image_dimension2_d,
+        max_storage_bytes: properties.limits.max_storage_buffer_range,
+        timestamp_period_ns: properties.limits.timestamp_period,
+    }
 }

@@ -117,14 +117,12 @@ impl Bindings {
                 descriptor_count: count,
             })
             .collect();
-        let info =
-            vk::DescriptorPoolCreateInfo::default().max_sets(FRAME_SLOTS as u32).pool_sizes(&sizes);
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(FRAME_SLOTS as u32).pool_sizes(&sizes);
         // SAFETY: the device is alive.
         let pool = unsafe { self.context.device.create_descriptor_pool(&info, None) };
         self.pool = Context::check(pool, || format!("making {name}'s descriptor pool"))?;
         let layouts = [self.set_layouts[0]; FRAME_SLOTS];
-        let info =
-            vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(&layouts);
+        let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(self.pool).set_layouts(&layouts);
         // SAFETY: the pool has room for exactly these sets.
         let sets = unsafe { self.context.device.allocate_descriptor_sets(&info) };
         let sets = Context::check(sets, || format!("allocating {name}'s descriptor sets"))?;
@@ -182,16 +180,16 @@ pub(crate) fn write_set(
             }
             _ => unreachable!("{shader}: {} is bound to the wrong kind", binding.name),
         };
-        let buffers = buffer.map(|buffer| [vk::DescriptorBufferInfo {
-            buffer: buffer.buffer,
-            offset: 0,
-            range: vk::WHOLE_SIZE,
-        }]);
-        let images = image.map(|(image, sampler)| [vk::DescriptorImageInfo {
-            sampler,
-            image_view: image.view,
-            image_layout: vk::ImageLayout::GENERAL,
-        }]);
+        let buffers = buffer.map(|buffer| {
+            [vk::DescriptorBufferInfo { buffer: buffer.buffer, offset: 0, range: vk::WHOLE_SIZE }]
+        });
+        let images = image.map(|(image, sampler)| {
+            [vk::DescriptorImageInfo {
+                sampler,
+                image_view: image.view,
+                image_layout: vk::ImageLayout::GENERAL,
+            }]
+        });
         let write = match (&buffers, &images) {
             (Some(buffers), _) => write.buffer_info(buffers),
             (None, Some(images)) => write.image_info(images),
@@ -453,8 +451,8 @@ fn build_graphics(
             .vertex_binding_descriptions(&vertex_bindings)
             .vertex_attribute_descriptions(&attributes);
     }
-    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
-        .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+    let assembly =
+        vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
     let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
     let mut raster = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
     if let Some([constant, slope]) = state.depth_bias {
@@ -463,8 +461,8 @@ fn build_graphics(
             .depth_bias_constant_factor(constant)
             .depth_bias_slope_factor(slope);
     }
-    let samples = vk::PipelineMultisampleStateCreateInfo::default()
-        .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+    let samples =
+        vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
     let depth = vk::PipelineDepthStencilStateCreateInfo::default()
         .depth_test_enable(state.depth)
         .depth_write_enable(state.depth_write)

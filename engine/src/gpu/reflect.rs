@@ -130,7 +130,12 @@ pub fn check_layout<T: GpuLayout>(shaders: &[&ShaderInfo]) -> Result<usize, Stri
         for of in shader.structs.iter().filter(|of| of.name == T::NAME) {
             let at = |field: &str| format!("{}: {}.{field}", shader.name, T::NAME);
             if of.members.len() != T::FIELDS.len() {
-                return Err(format!("{}: GLSL has {} fields, Rust {}", at("*"), of.members.len(), T::FIELDS.len()));
+                return Err(format!(
+                    "{}: GLSL has {} fields, Rust {}",
+                    at("*"),
+                    of.members.len(),
+                    T::FIELDS.len()
+                ));
             }
             for (name, offset) in of.members {
                 match T::FIELDS.iter().find(|(field, _)| field == name) {

@@ -56,7 +56,8 @@ impl Buffer {
         let buffer = Context::check(buffer, || format!("making the buffer {name}"))?;
         // SAFETY: the buffer was just made.
         let requirements = unsafe { context.device.get_buffer_memory_requirements(buffer) };
-        let mut made = Self { buffer, size, allocation: None, name: name.to_owned(), context: context.clone() };
+        let mut made =
+            Self { buffer, size, allocation: None, name: name.to_owned(), context: context.clone() };
         let allocation = allocate(context, name, requirements, location.memory(), true)?;
         // SAFETY: the memory is of a type and size that the buffer asked for.
         let bound =
@@ -178,7 +179,8 @@ impl Image {
         let requirements = unsafe { context.device.get_image_memory_requirements(image) };
         let allocation = allocate(context, desc.name, requirements, MemoryLocation::GpuOnly, false)?;
         // SAFETY: the memory is of a type and size that the image asked for.
-        let bound = unsafe { context.device.bind_image_memory(image, allocation.memory(), allocation.offset()) };
+        let bound =
+            unsafe { context.device.bind_image_memory(image, allocation.memory(), allocation.offset()) };
         made.allocation = Some(allocation);
         Context::check(bound, || format!("binding memory to the image {}", desc.name))?;
         context.set_name(image, desc.name);

@@ -38,8 +38,7 @@ unsafe fn record_and_submit(
 ) -> Result<()> {
     let device = &context.device;
     let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
-    let begin =
-        vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+    let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
     // SAFETY: the command buffer lives until the caller destroys the pool, and the queue is idle
     // again by then.
     unsafe {
@@ -68,7 +67,9 @@ pub fn full_barrier(context: &Context, commands: vk::CommandBuffer) {
         .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
     // SAFETY: `commands` is being recorded.
     unsafe {
-        context.device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
+        context
+            .device
+            .cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
     }
 }
 
@@ -169,7 +170,12 @@ pub fn upload_image(context: &Arc<Context>, name: &str, image: &Image, levels: &
 ///
 /// # Errors
 /// [`crate::Error::Memory`] and [`crate::Error::Vulkan`].
-pub fn read_image(context: &Arc<Context>, name: &str, image: &Image, bytes_per_texel: u64) -> Result<Vec<u8>> {
+pub fn read_image(
+    context: &Arc<Context>,
+    name: &str,
+    image: &Image,
+    bytes_per_texel: u64,
+) -> Result<Vec<u8>> {
     let bytes = u64::from(image.size[0]) * u64::from(image.size[1]) * bytes_per_texel;
     let usage = vk::BufferUsageFlags::TRANSFER_DST;
     let target = Buffer::new(context, "read-back", bytes, usage, Location::Readback)?;

@@ -34,7 +34,9 @@ impl Timestamps {
     pub fn reset(&self, commands: vk::CommandBuffer, slot: u32) {
         debug_assert!(slot < self.slots);
         // SAFETY: `commands` is being recorded; the caller has waited for the slot's last frame.
-        unsafe { self.context.device.cmd_reset_query_pool(commands, self.pool, slot * self.per_slot, self.per_slot) };
+        unsafe {
+            self.context.device.cmd_reset_query_pool(commands, self.pool, slot * self.per_slot, self.per_slot)
+        };
     }
 
     /// Writes the timestamp before (`0`) or after (`1`) a pass, once everything before is done.
@@ -59,7 +61,9 @@ impl Timestamps {
         Context::check(result, || "reading timestamps".into())?;
         let period_ns = f64::from(self.context.limits.timestamp_period);
         out.clear();
-        out.extend(ticks.chunks_exact(2).map(|pair| pair[1].saturating_sub(pair[0]) as f64 * period_ns * 1e-6));
+        out.extend(
+            ticks.chunks_exact(2).map(|pair| pair[1].saturating_sub(pair[0]) as f64 * period_ns * 1e-6),
+        );
         Ok(())
     }
 }

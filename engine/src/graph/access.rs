@@ -154,7 +154,8 @@ pub fn dependency(history: History, next: Access) -> (Option<Dependency>, Histor
         None
     };
     if next.writes() {
-        after = History { write: (stages, write_flags(flags)), readers: S::NONE, visible: (S::NONE, A::NONE) };
+        after =
+            History { write: (stages, write_flags(flags)), readers: S::NONE, visible: (S::NONE, A::NONE) };
     } else {
         after.readers |= stages;
         if needed.is_some() {

@@ -158,7 +158,8 @@ impl<F> Graph<F> {
                 written[id.0] |= access.writes();
             }
         }
-        let missing = self.resources.iter().zip(&written).find(|(resource, written)| resource.output && !**written);
+        let missing =
+            self.resources.iter().zip(&written).find(|(resource, written)| resource.output && !**written);
         match missing {
             Some((resource, _)) => Err(GraphError::OutputNotWritten { resource: resource.name.clone() }),
             None => Ok(()),

@@ -101,7 +101,14 @@ impl<F> Plan<F> {
     }
 
     /// Records every pass with its barrier, its debug label and its timestamps. Allocates nothing.
-    pub fn record(&self, context: &Context, commands: vk::CommandBuffer, times: &Timestamps, slot: u32, frame: &F) {
+    pub fn record(
+        &self,
+        context: &Context,
+        commands: vk::CommandBuffer,
+        times: &Timestamps,
+        slot: u32,
+        frame: &F,
+    ) {
         times.reset(commands, slot);
         for (index, step) in (0u32..).zip(&self.steps) {
             if let Some(barrier) = step.barrier {
@@ -157,8 +164,7 @@ fn live_passes<F>(resources: &[Resource], passes: &[PassDecl<F>]) -> Vec<bool> {
 impl<F> fmt::Display for Plan<F> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let list = |of: &dyn Fn(&Resource) -> bool| {
-            let names: Vec<_> =
-                self.resources.iter().filter(|r| of(r)).map(|r| r.name.as_str()).collect();
+            let names: Vec<_> = self.resources.iter().filter(|r| of(r)).map(|r| r.name.as_str()).collect();
             if names.is_empty() { "none".to_owned() } else { names.join(", ") }
         };
         writeln!(f, "inputs: {}", list(&|resource| resource.input))?;

@@ -80,7 +80,11 @@ not recorded, since nothing reads what they write: motion
 ";
     let normal = |text: &str| {
         // The order in which flags are printed is not ours to fix.
-        let mut words: Vec<_> = text.split([' ', '\n']).filter(|word| !word.is_empty() && *word != "|").map(str::to_owned).collect();
+        let mut words: Vec<_> = text
+            .split([' ', '\n'])
+            .filter(|word| !word.is_empty() && *word != "|")
+            .map(str::to_owned)
+            .collect();
         words.iter_mut().for_each(|word| *word = word.trim_matches(['(', ')']).to_owned());
         words.sort();
         words

@@ -78,7 +78,10 @@ impl Pass<FrameArgs> for Forward {
         let depth = attachment(self.targets.depth.view).store_op(vk::AttachmentStoreOp::NONE);
         let [width, height] = self.targets.hdr.size;
         let info = vk::RenderingInfo::default()
-            .render_area(vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } })
+            .render_area(vk::Rect2D {
+                offset: vk::Offset2D::default(),
+                extent: vk::Extent2D { width, height },
+            })
             .layer_count(1)
             .color_attachments(&color)
             .depth_attachment(&depth);

@@ -2,6 +2,7 @@
 
 use super::{FrameArgs, FrameBuffers, Targets, dispatch_8x8};
 use crate::error::Result;
+use crate::gpu::pipeline::Spec;
 use crate::gpu::{Bind, ComputePipeline, Context, shaders};
 use crate::graph::Pass;
 use ash::vk;
@@ -15,15 +16,20 @@ pub struct Inverse {
 }
 
 impl Inverse {
-    /// Builds it.
+    /// Builds it, specialised to the kernel.
     ///
     /// # Errors
     /// [`crate::Error::Vulkan`].
-    pub fn new(context: &Arc<Context>, targets: &Arc<Targets>, buffers: &FrameBuffers) -> Result<Self> {
+    pub fn new(
+        context: &Arc<Context>,
+        targets: &Arc<Targets>,
+        buffers: &FrameBuffers,
+        spec: Spec<'_>,
+    ) -> Result<Self> {
         let pipeline = ComputePipeline::new(
             context,
             &shaders::INVERSE_COMP,
-            &[],
+            spec,
             &[
                 ("Fovea", Bind::PerSlot(&buffers.fovea)),
                 ("lp", Bind::Image(&targets.lp)),

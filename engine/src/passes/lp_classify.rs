@@ -32,6 +32,7 @@ impl LpClassify {
                 ("Fovea", Bind::PerSlot(&buffers.fovea)),
                 ("SampleList", Bind::Buffer(&targets.samples)),
                 ("Counts", Bind::Buffer(&targets.counts)),
+                ("LpTables", Bind::Buffer(&targets.tables)),
                 ("lp", Bind::Image(&targets.lp)),
             ],
         )?;

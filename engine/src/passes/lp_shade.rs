@@ -32,6 +32,7 @@ impl LpShade {
             ("Fovea", Bind::PerSlot(&buffers.fovea)),
             ("SampleList", Bind::Buffer(&targets.samples)),
             ("Indirect", Bind::Buffer(&targets.indirect)),
+            ("LpTables", Bind::Buffer(&targets.tables)),
             ("lp", Bind::Image(&targets.lp)),
             ("hdr", Bind::Image(&targets.hdr)),
         ];

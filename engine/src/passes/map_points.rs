@@ -26,7 +26,8 @@ pub fn map_points(context: &Arc<Context>, params: &FoveaParams, points_px: &[DVe
         })
         .collect();
     let input = submit::upload_buffer(context, "points", &points, storage)?;
-    let output = Buffer::new(context, "mapped points", 16 * points.len() as u64, storage, Location::Readback)?;
+    let output =
+        Buffer::new(context, "mapped points", 16 * points.len() as u64, storage, Location::Readback)?;
     let shader = &shaders::MAP_POINTS_COMP;
     let binds: Vec<_> = shader
         .bindings

@@ -10,6 +10,7 @@ mod lp_classify;
 mod lp_dispatch;
 mod lp_filter;
 mod lp_shade;
+mod lp_tables;
 mod map_points;
 mod output;
 mod post_filter;
@@ -25,11 +26,12 @@ pub use lp_classify::LpClassify;
 pub use lp_dispatch::LpDispatch;
 pub use lp_filter::LpFilter;
 pub use lp_shade::LpShade;
+pub use lp_tables::LpTables;
 pub use map_points::map_points;
 pub use output::Output;
 pub use post_filter::PostFilter;
 pub use shadow::{MAX_SHADOW_VIEWS, Shadow};
-pub use targets::{FrameBuffers, Targets};
+pub use targets::{FrameBuffers, TargetSizes, Targets};
 
 use crate::content::GpuScene;
 use crate::gpu::pipeline::Bind;
@@ -64,7 +66,11 @@ fn dispatch_8x8(context: &Context, commands: vk::CommandBuffer, size: [u32; 2]) 
 }
 
 /// Names that `lighting_bindings.glsl` declares.
-fn lighting_binds<'a>(scene: &'a GpuScene, targets: &'a Targets, buffers: &'a FrameBuffers) -> Vec<(&'static str, Bind<'a>)> {
+fn lighting_binds<'a>(
+    scene: &'a GpuScene,
+    targets: &'a Targets,
+    buffers: &'a FrameBuffers,
+) -> Vec<(&'static str, Bind<'a>)> {
     let environment = &scene.environment;
     vec![
         ("Frame", Bind::PerSlot(&buffers.frame)),
@@ -81,8 +87,14 @@ fn lighting_binds<'a>(scene: &'a GpuScene, targets: &'a Targets, buffers: &'a Fr
 
 /// Sets viewport and scissor to all of an image.
 fn set_viewport(context: &Context, commands: vk::CommandBuffer, [width, height]: [u32; 2]) {
-    let viewport =
-        [vk::Viewport { x: 0.0, y: 0.0, width: width as f32, height: height as f32, min_depth: 0.0, max_depth: 1.0 }];
+    let viewport = [vk::Viewport {
+        x: 0.0,
+        y: 0.0,
+        width: width as f32,
+        height: height as f32,
+        min_depth: 0.0,
+        max_depth: 1.0,
+    }];
     let scissor = [vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } }];
     // SAFETY: `commands` is being recorded.
     unsafe {
@@ -127,7 +139,8 @@ impl DrawState {
         unsafe {
             if self.culling != Some(culling) {
                 let mode = if culling.0 { vk::CullModeFlags::BACK } else { vk::CullModeFlags::NONE };
-                let face = if culling.1 { vk::FrontFace::CLOCKWISE } else { vk::FrontFace::COUNTER_CLOCKWISE };
+                let face =
+                    if culling.1 { vk::FrontFace::CLOCKWISE } else { vk::FrontFace::COUNTER_CLOCKWISE };
                 device.cmd_set_cull_mode(commands, mode);
                 device.cmd_set_front_face(commands, face);
                 self.culling = Some(culling);
@@ -138,7 +151,14 @@ impl DrawState {
                 }
                 self.material = Some(instance.material);
             }
-            device.cmd_draw_indexed(commands, mesh.index_count, 1, mesh.first_index, mesh.vertex_offset, index);
+            device.cmd_draw_indexed(
+                commands,
+                mesh.index_count,
+                1,
+                mesh.first_index,
+                mesh.vertex_offset,
+                index,
+            );
         }
     }
 }

@@ -19,10 +19,7 @@ pub struct Output {
 
 /// Formats whose hardware encodes sRGB itself.
 fn encodes_srgb(format: vk::Format) -> bool {
-    matches!(
-        format,
-        vk::Format::R8G8B8A8_SRGB | vk::Format::B8G8R8A8_SRGB | vk::Format::A8B8G8R8_SRGB_PACK32
-    )
+    matches!(format, vk::Format::R8G8B8A8_SRGB | vk::Format::B8G8R8A8_SRGB | vk::Format::A8B8G8R8_SRGB_PACK32)
 }
 
 impl Output {
@@ -115,7 +112,10 @@ impl Pass<FrameArgs> for Output {
             .store_op(vk::AttachmentStoreOp::STORE)];
         let [width, height] = self.size;
         let info = vk::RenderingInfo::default()
-            .render_area(vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } })
+            .render_area(vk::Rect2D {
+                offset: vk::Offset2D::default(),
+                extent: vk::Extent2D { width, height },
+            })
             .layer_count(1)
             .color_attachments(&color);
         // SAFETY: `commands` is being recorded; the target's view lives as long as the host says.

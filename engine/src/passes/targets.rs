@@ -23,6 +23,7 @@ pub struct Targets {
     pub(crate) samples: Buffer,
     pub(crate) counts: Buffer,
     pub(crate) indirect: Buffer,
+    pub(crate) tables: Buffer,
     /// Texels of the LP-buffer; 1x1 for full shading.
     pub lp_size: [u32; 2],
     /// Native pixels that the sample list has room for.
@@ -55,12 +56,13 @@ impl Targets {
         use vk::ImageUsageFlags as Usage;
         let display = settings.display.size_px;
         let when = |wanted: bool, size: [u32; 2]| if wanted { size } else { [1, 1] };
-        let image = |name: &str, size: [u32; 2], format: vk::Format, usage: Usage, layers: u32, array: bool| {
-            Image::new(
-                context,
-                &ImageDesc { name, size, layers, levels: 1, format, usage, array_view: array },
-            )
-        };
+        let image =
+            |name: &str, size: [u32; 2], format: vk::Format, usage: Usage, layers: u32, array: bool| {
+                Image::new(
+                    context,
+                    &ImageDesc { name, size, layers, levels: 1, format, usage, array_view: array },
+                )
+            };
         let half = vk::Format::R16G16B16A16_SFLOAT;
         let color = Usage::STORAGE | Usage::SAMPLED | Usage::TRANSFER_SRC | Usage::TRANSFER_DST;
         let lp_size = sizes.lp.unwrap_or([1, 1]);
@@ -80,7 +82,14 @@ impl Targets {
                 1,
                 false,
             )?,
-            depth: image("depth", when(sizes.gbuffer, display), vk::Format::D32_SFLOAT, depth_usage, 1, false)?,
+            depth: image(
+                "depth",
+                when(sizes.gbuffer, display),
+                vk::Format::D32_SFLOAT,
+                depth_usage,
+                1,
+                false,
+            )?,
             hdr: image("hdr", display, half, color | Usage::COLOR_ATTACHMENT, 1, false)?,
             hdr_post: image(
                 "hdr after the post filter",
@@ -103,6 +112,7 @@ impl Targets {
             samples: storage(context, "sample list", 4 * (texels + native))?,
             counts: storage(context, "sample counts", size_of::<structs::SampleCounts>() as u64)?,
             indirect: storage(context, "indirect", 16)?,
+            tables: storage(context, "lp tables", 16 * u64::from(lp_size[0] + lp_size[1]))?,
             lp_size,
             native_capacity: u32::try_from(native).unwrap_or(u32::MAX),
         };
@@ -112,8 +122,15 @@ impl Targets {
 
     fn initialise(&self, context: &Arc<Context>) -> Result<()> {
         submit::submit_and_wait(context, "preparing the frame's images", |commands| {
-            let images =
-                [&self.gbuffer, &self.depth, &self.hdr, &self.hdr_post, &self.lp, &self.lp_filtered, &self.shadow_maps];
+            let images = [
+                &self.gbuffer,
+                &self.depth,
+                &self.hdr,
+                &self.hdr_post,
+                &self.lp,
+                &self.lp_filtered,
+                &self.shadow_maps,
+            ];
             submit::to_general(context, commands, &images);
             // SAFETY: `commands` is being recorded, and the images and buffers are alive.
             unsafe {
@@ -176,7 +193,12 @@ impl FrameBuffers {
         Ok(Self {
             frame: slots("frame", size(size_of::<structs::FrameParams>(), 1), uniform, up)?,
             fovea: slots("fovea", size(size_of::<FoveaParams>(), 1), uniform, up)?,
-            lights: slots("lights", size(size_of::<structs::Light>(), count(|s| s.lights.len())), storage, up)?,
+            lights: slots(
+                "lights",
+                size(size_of::<structs::Light>(), count(|s| s.lights.len())),
+                storage,
+                up,
+            )?,
             shadow_views: slots(
                 "shadow views",
                 size(size_of::<structs::ShadowView>(), u64::from(shadow_views)),

@@ -1,0 +1,186 @@
+//! The effect plan: what this scene, view and these settings call for, and why the rest is left out.
+
+use crate::content::SceneFeatures;
+use crate::passes::MAX_SHADOW_VIEWS;
+use crate::scene::{Light, LightKind};
+use crate::settings::{Method, RenderSettings};
+use crate::stats::{EffectNote, Effects};
+
+/// What is built.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EffectPlan {
+    /// For each light, its first shadow view, or `None`.
+    pub shadow_first_view: Vec<Option<u32>>,
+    /// Shadow views to draw.
+    pub shadow_views: u32,
+    /// The shadow pass runs.
+    pub shadows: bool,
+    /// The forward pass is built.
+    pub forward: bool,
+    /// The LP filter runs.
+    pub lp_filter: bool,
+    /// The post filter runs.
+    pub post_filter: bool,
+    /// Values of the shading kernel's specialization constants.
+    pub shading_spec: Vec<(&'static str, u32)>,
+    /// Values of the material's specialization constants, without `HAS_ALPHA_MASK`.
+    pub material_spec: Vec<(&'static str, u32)>,
+    /// Alpha-masked surfaces have a pipeline of their own.
+    pub alpha_mask: bool,
+    /// For people.
+    pub effects: Effects,
+}
+
+/// Collects decisions and the words for them.
+struct Decisions {
+    force: bool,
+    effects: Effects,
+}
+
+impl Decisions {
+    /// Decides for an effect: `called_for` with a reason for each answer.
+    fn decide(&mut self, name: &'static str, called_for: bool, yes: String, no: &str) -> bool {
+        if called_for {
+            self.effects.run.push(EffectNote { name, why: yes });
+        } else if self.force {
+            self.effects.run.push(EffectNote { name, why: format!("forced, although {no}") });
+        } else {
+            self.effects.skipped.push(EffectNote { name, why: no.to_owned() });
+        }
+        called_for || self.force
+    }
+
+    /// As [`Self::decide`], but what the caller switched off stays off.
+    fn setting(&mut self, name: &'static str, on: bool, yes: &str, no: &str) -> bool {
+        let list = if on { &mut self.effects.run } else { &mut self.effects.skipped };
+        list.push(EffectNote { name, why: if on { yes } else { no }.to_owned() });
+        on
+    }
+}
+
+/// Views that a light's shadow needs.
+fn views_of(light: &Light) -> u32 {
+    match light.kind {
+        LightKind::Directional | LightKind::Spot { .. } => 1,
+        LightKind::Point { .. } => 6,
+    }
+}
+
+fn count(number: u32, what: &str) -> String {
+    format!("the scene has {number} {what}{}", if number == 1 { "" } else { "s" })
+}
+
+impl EffectPlan {
+    /// Decides for a triangle scene. `lights` in the order of [`crate::content::GpuScene::lights`].
+    #[must_use]
+    pub fn of_scene(features: &SceneFeatures, lights: &[Light], settings: &RenderSettings) -> Self {
+        let mut d = Decisions { force: settings.force_effects, effects: Effects::default() };
+        let mut plan = Self::default();
+        for (index, light) in lights.iter().enumerate() {
+            let views = views_of(light);
+            let wanted =
+                index < settings.shadowed_lights as usize && plan.shadow_views + views <= MAX_SHADOW_VIEWS;
+            plan.shadow_first_view.push(wanted.then_some(plan.shadow_views));
+            plan.shadow_views += if wanted { views } else { 0 };
+        }
+        d.setting("gbuffer", true, "a triangle scene is shaded from its G-buffer", "");
+        let casters = features.opaque && plan.shadow_views > 0;
+        let shadow_why = if features.lights() == 0 {
+            "the scene has no lamps"
+        } else if settings.shadowed_lights == 0 {
+            "shadows are switched off"
+        } else {
+            "nothing casts a shadow"
+        };
+        let lit = plan.shadow_first_view.iter().flatten().count() as u32;
+        plan.shadows = d.decide("shadows", casters, count(lit, "shadowed light"), shadow_why);
+        if plan.shadows && plan.shadow_views == 0 {
+            // Forced: the pass draws one view, which no light reads.
+            plan.shadow_views = 1;
+        }
+        let f = features;
+        let lights = [
+            ("directional lights", "HAS_DIRECTIONAL", f.directional_lights, "directional light"),
+            ("point lights", "HAS_POINT", f.point_lights, "point light"),
+            ("spot lights", "HAS_SPOT", f.spot_lights, "spot light"),
+        ];
+        for (name, constant, number, what) in lights {
+            let on = d.decide(name, number > 0, count(number, what), &format!("the scene has no {what}"));
+            plan.shading_spec.push((constant, u32::from(on)));
+        }
+        plan.shading_spec.push(("HAS_SHADOWS", u32::from(plan.shadows)));
+        let yes = |what: &str| format!("the scene has {what}");
+        let on = d.decide(
+            "environment",
+            f.environment,
+            yes("an environment map: sky and ambient light"),
+            "there is no environment map",
+        );
+        plan.shading_spec.push(("HAS_ENVIRONMENT", u32::from(on)));
+        let on = d.decide("emissive", f.emissive, yes("emissive materials"), "no material emits light");
+        plan.shading_spec.push(("HAS_EMISSIVE", u32::from(on)));
+        plan.material_spec.push(("HAS_MATERIAL_EMISSIVE", u32::from(on)));
+        let materials = [
+            ("normal maps", "HAS_NORMAL_MAPS", f.normal_maps, "normal maps", "no material has a normal map"),
+            (
+                "occlusion maps",
+                "HAS_OCCLUSION",
+                f.occlusion,
+                "occlusion maps",
+                "no material has an occlusion map",
+            ),
+            (
+                "vertex colours",
+                "HAS_VERTEX_COLORS",
+                f.vertex_colors,
+                "vertex colours",
+                "no mesh has vertex colours",
+            ),
+        ];
+        for (name, constant, present, what, no) in materials {
+            let on = d.decide(name, present, yes(what), no);
+            plan.material_spec.push((constant, u32::from(on)));
+        }
+        plan.alpha_mask = d.decide(
+            "alpha mask",
+            f.alpha_mask,
+            yes("alpha-masked materials"),
+            "no material is alpha-masked",
+        );
+        plan.forward = d.decide("transparency", f.blend, yes("blended materials"), "no material is blended");
+        plan.after_shading(&mut d, settings);
+        plan.effects = d.effects;
+        plan
+    }
+
+    /// Decides for the ray-marched scene.
+    #[must_use]
+    pub fn of_sdf(settings: &RenderSettings) -> Self {
+        let mut d = Decisions { force: false, effects: Effects::default() };
+        let mut plan = Self::default();
+        d.setting("ray marching", true, "the scene is made of signed-distance primitives", "");
+        d.setting("gbuffer", false, "", "rays start from the samples themselves");
+        d.setting("shadows", false, "", "soft shadows are marched, there are no shadow maps");
+        d.setting("transparency", false, "", "no primitive is blended");
+        plan.after_shading(&mut d, settings);
+        plan.effects = d.effects;
+        plan
+    }
+
+    fn after_shading(&mut self, d: &mut Decisions, settings: &RenderSettings) {
+        if let Method::Kfr(kfr) = &settings.method {
+            self.lp_filter = d.setting(
+                "LP filter",
+                kfr.lp_filter,
+                "peripheral texels cover several pixels each",
+                "switched off",
+            );
+            self.post_filter =
+                d.setting("post filter", kfr.post_filter, "switched on (Eq. 2.14)", "not switched on");
+        } else {
+            d.setting("foveation", false, "", "full shading was asked for");
+        }
+        d.setting("motion vectors", false, "", "nothing reads them");
+        d.setting("check of finite values", settings.check_finite, "asked for", "not asked for");
+    }
+}

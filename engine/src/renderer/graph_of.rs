@@ -1,0 +1,293 @@
+//! The frame: which passes there are, in order, and what each reads and writes.
+
+use crate::content::{GpuContent, GpuScene};
+use crate::error::{Error, Result};
+use crate::fovea::{Kernel, KfrMapping};
+use crate::gpu::Context;
+use crate::graph::{Access, Graph, Plan, ResourceId};
+use crate::passes::{
+    FiniteCheck, Forward, FrameArgs, FrameBuffers, FullShade, GBuffer, Inverse, LpClassify, LpDispatch,
+    LpFilter, LpShade, LpTables, Output, PostFilter, Shadow, TargetSizes, Targets,
+};
+use crate::plan::EffectPlan;
+use crate::settings::{KfrSettings, Method, RenderSettings};
+use ash::vk;
+use std::sync::Arc;
+
+/// Makes the images and buffers that the passes of a configuration need.
+pub(super) fn make_targets(
+    context: &Arc<Context>,
+    content: &GpuContent,
+    settings: &RenderSettings,
+    effects: &EffectPlan,
+) -> Result<Targets> {
+    let lp = match &settings.method {
+        Method::Full => None,
+        Method::Kfr(kfr) => {
+            let display = settings.display;
+            Some(KfrMapping::new(display.size_px, display.center_px(), kfr.kernel, kfr.sigma).lp_size())
+        }
+    };
+    Targets::new(
+        context,
+        settings,
+        &TargetSizes {
+            lp,
+            gbuffer: matches!(content, GpuContent::Scene(_)),
+            shadow_views: effects.shadow_views,
+            shadows: effects.shadows,
+            post_filter: effects.post_filter,
+            lp_filter: effects.lp_filter,
+        },
+    )
+}
+
+/// The frame's resources.
+struct Ids {
+    scene: ResourceId,
+    fovea: ResourceId,
+    shadow_maps: ResourceId,
+    gbuffer: ResourceId,
+    depth: ResourceId,
+    tables: ResourceId,
+    samples: ResourceId,
+    counts: ResourceId,
+    indirect: ResourceId,
+    stats: ResourceId,
+    lp: ResourceId,
+    lp_filtered: ResourceId,
+    hdr: ResourceId,
+    hdr_post: ResourceId,
+    target: ResourceId,
+    findings: ResourceId,
+}
+
+impl Ids {
+    fn declare(graph: &mut Graph<FrameArgs>) -> Self {
+        Self {
+            scene: graph.input("scene"),
+            fovea: graph.input("fovea"),
+            shadow_maps: graph.input("shadow maps"),
+            gbuffer: graph.resource("gbuffer"),
+            depth: graph.resource("depth"),
+            tables: graph.resource("lp tables"),
+            samples: graph.resource("sample list"),
+            counts: graph.input("sample counts"),
+            indirect: graph.resource("indirect"),
+            stats: graph.resource("sample statistics"),
+            lp: graph.resource("lp"),
+            lp_filtered: graph.resource("lp filtered"),
+            hdr: graph.resource("hdr"),
+            hdr_post: graph.resource("hdr after the post filter"),
+            target: graph.resource("target"),
+            findings: graph.input("findings"),
+        }
+    }
+}
+
+/// What every part of the frame is built from.
+struct Builder<'a> {
+    context: &'a Arc<Context>,
+    content: &'a GpuContent,
+    settings: &'a RenderSettings,
+    effects: &'a EffectPlan,
+    targets: &'a Arc<Targets>,
+    buffers: &'a FrameBuffers,
+    ids: Ids,
+    graph: Graph<FrameArgs>,
+}
+
+/// Builds the passes and bakes the graph.
+pub(super) fn bake(
+    context: &Arc<Context>,
+    content: &GpuContent,
+    settings: &RenderSettings,
+    effects: &EffectPlan,
+    targets: &Arc<Targets>,
+    buffers: &FrameBuffers,
+    format: vk::Format,
+) -> Result<Plan<FrameArgs>> {
+    let mut graph = Graph::default();
+    let ids = Ids::declare(&mut graph);
+    let mut builder = Builder { context, content, settings, effects, targets, buffers, ids, graph };
+    if let GpuContent::Scene(scene) = content {
+        builder.geometry(scene)?;
+    }
+    match &settings.method {
+        Method::Full => builder.full()?,
+        Method::Kfr(kfr) => builder.foveated(kfr)?,
+    }
+    if let GpuContent::Scene(scene) = content {
+        builder.transparency(scene)?;
+    }
+    builder.finish(format)
+}
+
+impl Builder<'_> {
+    /// Shadow maps and the G-buffer, both of them at full resolution.
+    fn geometry(&mut self, scene: &Arc<GpuScene>) -> Result<()> {
+        let ids = &self.ids;
+        if self.effects.shadows {
+            let pass = Shadow::new(self.context, scene, self.targets, self.buffers, self.effects.alpha_mask)?;
+            let accesses = [(ids.scene, Access::VertexRead), (ids.shadow_maps, Access::DepthWrite)];
+            self.graph.pass("shadow", &accesses, pass);
+        }
+        let spec = &self.effects.material_spec;
+        let pass =
+            GBuffer::new(self.context, scene, self.targets, self.buffers, spec, self.effects.alpha_mask)?;
+        let accesses = [
+            (ids.scene, Access::VertexRead),
+            (ids.gbuffer, Access::ColorWrite),
+            (ids.depth, Access::DepthWrite),
+        ];
+        self.graph.pass("gbuffer", &accesses, pass);
+        Ok(())
+    }
+
+    /// What a shading pass reads besides its samples.
+    fn surface_reads(&self) -> Vec<(ResourceId, Access)> {
+        let ids = &self.ids;
+        match self.content {
+            GpuContent::Scene(_) => vec![
+                (ids.gbuffer, Access::ComputeRead),
+                (ids.depth, Access::ComputeRead),
+                (ids.shadow_maps, Access::ComputeRead),
+            ],
+            GpuContent::SdfPrimitives => Vec::new(),
+        }
+    }
+
+    /// The reference: every pixel.
+    fn full(&mut self) -> Result<()> {
+        let spec = &self.effects.shading_spec;
+        let pass = FullShade::new(self.context, self.content, self.targets, self.buffers, spec)?;
+        let mut accesses = self.surface_reads();
+        accesses.push((self.ids.hdr, Access::ComputeWrite));
+        self.graph.pass("full_shade", &accesses, pass);
+        Ok(())
+    }
+
+    /// Which samples, shade them, filter the periphery, back to the display.
+    fn foveated(&mut self, kfr: &KfrSettings) -> Result<()> {
+        let (context, targets, buffers) = (self.context, self.targets, self.buffers);
+        let reads = self.surface_reads();
+        let ids = &self.ids;
+        let graph = &mut self.graph;
+        // The mapping taken apart into columns and rows, once for all texels.
+        let accesses = [(ids.fovea, Access::ComputeRead), (ids.tables, Access::ComputeWrite)];
+        graph.pass("lp_tables", &accesses, LpTables::new(context, targets, buffers)?);
+        // Only texels that land on the display, and the native pixels around the gaze.
+        let accesses = [
+            (ids.fovea, Access::ComputeRead),
+            (ids.tables, Access::ComputeRead),
+            (ids.samples, Access::ComputeWrite),
+            (ids.counts, Access::ComputeReadWrite),
+            (ids.lp, Access::ComputeWrite),
+        ];
+        graph.pass("lp_classify", &accesses, LpClassify::new(context, targets, buffers)?);
+        // As many workgroups as there are samples.
+        let accesses = [
+            (ids.counts, Access::ComputeReadWrite),
+            (ids.indirect, Access::ComputeWrite),
+            (ids.stats, Access::ComputeWrite),
+        ];
+        graph.pass("lp_dispatch", &accesses, LpDispatch::new(context, targets, buffers)?);
+        let mut accesses = reads;
+        accesses.extend([
+            (ids.fovea, Access::ComputeRead),
+            (ids.tables, Access::ComputeRead),
+            (ids.samples, Access::ComputeRead),
+            (ids.indirect, Access::IndirectRead),
+            (ids.lp, Access::ComputeReadWrite),
+            (ids.hdr, Access::ComputeWrite),
+        ]);
+        let pass = LpShade::new(context, self.content, targets, buffers, &self.effects.shading_spec)?;
+        graph.pass("lp_shade", &accesses, pass);
+        if self.effects.lp_filter {
+            let accesses = [
+                (ids.fovea, Access::ComputeRead),
+                (ids.lp, Access::ComputeRead),
+                (ids.lp_filtered, Access::ComputeWrite),
+            ];
+            graph.pass("lp_filter", &accesses, LpFilter::new(context, targets, buffers)?);
+        }
+        let mut accesses = vec![
+            (ids.fovea, Access::ComputeRead),
+            (ids.lp, Access::ComputeRead),
+            (ids.hdr, Access::ComputeReadWrite),
+        ];
+        if self.effects.lp_filter {
+            accesses.push((ids.lp_filtered, Access::ComputeRead));
+        }
+        graph.pass("inverse", &accesses, Inverse::new(context, targets, buffers, &kernel_spec(&kfr.kernel))?);
+        if self.effects.post_filter {
+            let accesses = [
+                (ids.fovea, Access::ComputeRead),
+                (ids.hdr, Access::ComputeRead),
+                (ids.hdr_post, Access::ComputeWrite),
+            ];
+            graph.pass("post_filter", &accesses, PostFilter::new(context, targets, buffers)?);
+        }
+        graph.output(ids.stats);
+        Ok(())
+    }
+
+    /// The image that holds the finished radiance.
+    fn finished(&self) -> ResourceId {
+        if self.effects.post_filter { self.ids.hdr_post } else { self.ids.hdr }
+    }
+
+    /// Blended surfaces, at full resolution over the finished picture: the post filter must not blur
+    /// them.
+    fn transparency(&mut self, scene: &Arc<GpuScene>) -> Result<()> {
+        if !self.effects.forward {
+            return Ok(());
+        }
+        let mut spec = self.effects.shading_spec.clone();
+        spec.extend_from_slice(&self.effects.material_spec);
+        let modes = [self.effects.post_filter, self.settings.force_effects];
+        let pass = Forward::new(self.context, scene, self.targets, self.buffers, &spec, modes)?;
+        let accesses = [
+            (self.ids.scene, Access::VertexRead),
+            (self.ids.shadow_maps, Access::FragmentRead),
+            (self.ids.depth, Access::DepthTest),
+            (self.finished(), Access::ColorReadWrite),
+        ];
+        self.graph.pass("forward", &accesses, pass);
+        Ok(())
+    }
+
+    fn finish(mut self, format: vk::Format) -> Result<Plan<FrameArgs>> {
+        let finished = self.finished();
+        let post = self.effects.post_filter;
+        let pass = Output::new(self.context, self.targets, self.buffers, self.settings, format, post)?;
+        let accesses = [(finished, Access::FragmentRead), (self.ids.target, Access::ColorWrite)];
+        self.graph.pass("output", &accesses, pass);
+        self.graph.output(self.ids.target);
+        if self.settings.check_finite {
+            let foveated = matches!(self.settings.method, Method::Kfr(_));
+            let pass = FiniteCheck::new(self.context, self.targets, self.buffers, [post, foveated])?;
+            let mut accesses =
+                vec![(finished, Access::ComputeRead), (self.ids.findings, Access::ComputeReadWrite)];
+            if foveated {
+                accesses.push((self.ids.lp, Access::ComputeRead));
+            }
+            self.graph.diagnostic_pass("finite_check", &accesses, pass);
+            self.graph.output(self.ids.findings);
+        }
+        // A mistake in the declarations above, not something that a caller can cause.
+        self.graph.bake().map_err(|error| Error::Setting(format!("frame graph: {error}")))
+    }
+}
+
+/// Specialises the inverse pass to the kernel.
+fn kernel_spec(kernel: &Kernel) -> [(&'static str, u32); 2] {
+    let (kind, alpha) = match *kernel {
+        Kernel::Power { alpha } if alpha.fract() == 0.0 => (0, alpha as u32),
+        Kernel::Power { .. } => (0, 0),
+        Kernel::Polynomial { .. } => (1, 0),
+        Kernel::Sine => (2, 0),
+        Kernel::Exponential => (3, 0),
+    };
+    [("KERNEL_KIND", kind), ("INTEGER_ALPHA", alpha)]
+}
