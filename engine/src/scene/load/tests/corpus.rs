@@ -1,0 +1,110 @@
+//! Every file of the shared collection: loaded, or refused in one line that names it.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::{check_whole, shared_scenes};
+use crate::scene::load::{LoadOptions, load};
+
+/// Files outside of `negative/` are sound; these of `negative/` are at most unusual.
+const HARMLESS: [&str; 8] = [
+    "negative/assimp/BoxBadNormals-glTF-Binary/BoxBadNormals.glb",
+    "negative/assimp/BoxTexcoords-glTF/boxTexcoords.gltf",
+    "negative/assimp/TestNoRootNode/NoScene.gltf",
+    "negative/assimp/TestNoRootNode/SceneWithoutNodes.gltf",
+    "negative/gltf-rs/tests/box_sparse.glb",
+    "negative/gltf-rs/tests/box_sparse.gltf",
+    "negative/trimesh/nested.glb",
+    "negative/trimesh/no_indices_3storybuilding.glb",
+];
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    let entries = std::fs::read_dir(folder).expect("a readable folder");
+    for entry in entries {
+        let path = entry.expect("a readable entry").path();
+        if path.is_dir() {
+            collect(&path, files);
+        } else if path.extension().is_some_and(|extension| extension == "gltf" || extension == "glb") {
+            files.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_shared_scene_loads_or_is_refused_in_one_line() {
+    let Some(scenes) = shared_scenes() else {
+        return;
+    };
+    let mut files = Vec::new();
+    collect(&scenes, &mut files);
+    files.sort();
+    let mut refused = 0;
+    for path in &files {
+        let name = path.strip_prefix(&scenes).expect("found there").display().to_string();
+        let start = Instant::now();
+        let outcome = load(path, &LoadOptions { time_s: 0.3, scene_index: None });
+        let took = start.elapsed();
+        assert!(took < Duration::from_secs(10), "{name} took {took:?}");
+        match outcome {
+            Ok(scene) => {
+                check_whole(&scene);
+                println!(
+                    "ok      {:5.0} ms {:>8} triangles {:>3} textures  {name}  {:?}",
+                    took.as_secs_f64() * 1e3,
+                    scene.triangle_count(),
+                    scene.textures.len(),
+                    scene.warnings
+                );
+            }
+            Err(error) => {
+                let line = error.to_string();
+                let file_name = path.file_name().expect("a file").to_string_lossy();
+                assert!(!line.contains('\n') && line.contains(&*file_name), "{line}");
+                assert!(line.len() < 600, "{line}");
+                let sound = !name.starts_with("negative/") || HARMLESS.contains(&name.as_str());
+                assert!(!sound, "{name} should load: {line}");
+                println!(
+                    "refused {:5.0} ms {}",
+                    took.as_secs_f64() * 1e3,
+                    line.replace(&path.display().to_string(), &name)
+                );
+                refused += 1;
+            }
+        }
+    }
+    println!("{} files, {refused} refused", files.len());
+}
+
+/// The tangents that a file brings and those that are made for it agree: most importantly in the
+/// sign of the bitangent.
+#[test]
+fn generated_tangents_agree_with_given_ones() {
+    let Some(scenes) = shared_scenes() else {
+        return;
+    };
+    let path = scenes.join("water-bottle/WaterBottle.gltf");
+    let text = std::fs::read_to_string(&path).expect("a readable file");
+    let stripped = text.replace("\"TANGENT\"", "\"_TANGENT\"");
+    let copy = path.with_extension("copy");
+    assert_ne!(text, stripped, "{} has tangents", copy.display());
+    let root: serde_json::Value = serde_json::from_str(&stripped).expect("JSON");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    for uri in ["buffers", "images"].into_iter().flat_map(|kind| root[kind].as_array().into_iter().flatten())
+    {
+        let uri = uri["uri"].as_str().expect("external files");
+        std::fs::copy(path.with_file_name(uri), folder.path().join(uri)).expect("a copy");
+    }
+    let bare = folder.path().join("bare.gltf");
+    std::fs::write(&bare, stripped).expect("room for a small file");
+    let given = load(&path, &LoadOptions::default()).expect("loads");
+    let made = load(&bare, &LoadOptions::default()).expect("loads");
+    let (given, made) = (&given.meshes[0], &made.meshes[0]);
+    assert_eq!(given.indices.len(), made.indices.len());
+    let agrees = |&(&a, &b): &(&u32, &u32)| {
+        let (a, b) = (given.vertices[a as usize].tangent, made.vertices[b as usize].tangent);
+        a[3] == b[3] && a[..3].iter().zip(&b[..3]).map(|(a, b)| a * b).sum::<f32>() > 0.9
+    };
+    let agreeing = given.indices.iter().zip(&made.indices).filter(agrees).count();
+    let share = agreeing as f64 / given.indices.len() as f64;
+    assert!(share > 0.95, "{share}");
+}
