@@ -15,7 +15,7 @@ pub const MAX_DECODED_BYTES: u64 = 2 << 30;
 
 /// Work that grows faster than the file, such as morph targets times vertices, may take this many
 /// steps: seconds, where a hostile file could ask for years.
-const MAX_STEPS: u64 = 1 << 30;
+const MAX_STEPS: u64 = 1 << 28;
 
 /// Warnings that are kept, the line that counts the others included.
 const MAX_WARNINGS: usize = 20;

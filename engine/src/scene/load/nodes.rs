@@ -136,11 +136,12 @@ fn scene_nodes(context: &Context, options: &LoadOptions, parents: &[Option<usize
             get(&root.scenes, "scene", index, "the request")?;
             index
         }
-        (None, Some(index)) => {
+        // A choice among no scenes at all is as harmless as none.
+        (None, Some(index)) if !root.scenes.is_empty() => {
             get(&root.scenes, "scene", index, "the file's \"scene\"")?;
             index
         }
-        (None, None) => 0,
+        (None, _) => 0,
     };
     let Some(scene) = root.scenes.get(index) else {
         context.warn("the file has no scene: nothing is drawn");

@@ -93,7 +93,7 @@ fn sparse_accessors_replace_elements() {
 #[test]
 fn integer_attributes_are_fractions_where_they_say_so() {
     let mut file = File::default();
-    let positions: [i16; 12] = [0, 0, 0, 0, 32767, 0, 0, 0, 32767, -32768, 0, 0];
+    let positions: [i16; 12] = [0, 0, 0, 0, 32767, 0, 0, 0, 0, 32767, -32768, 0];
     let fields = json!({ "componentType": 5122, "type": "VEC3", "count": 3, "normalized": true });
     let positions = file.accessor(bytemuck::cast_slice(&positions), fields);
     file.views[0]["byteStride"] = json!(8);
