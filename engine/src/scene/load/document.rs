@@ -14,6 +14,12 @@ use crate::error::{Error, Result};
 /// The document may be this large, and so may be all that it refers to together.
 const MAX_FILE_BYTES: u64 = 2 << 30;
 
+/// An empty object is two bytes in the file and hundreds in memory.
+const MAX_JSON_OBJECTS: usize = 2_000_000;
+
+/// An empty string in an array is three bytes in the file and 24 in memory.
+const MAX_JSON_ITEMS: usize = 64_000_000;
+
 const KNOWN_EXTENSIONS: [&str; 6] = [
     "EXT_texture_webp",
     "KHR_lights_punctual",
@@ -54,6 +60,7 @@ impl Document {
         let json = &bytes[json];
         // Not allowed by the specification, and harmless.
         let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
+        check_size(json)?;
         check_version(json)?;
         let root: Root =
             serde_json::from_slice(json).map_err(|e| format!("the JSON is not glTF 2.0: {e}"))?;
@@ -195,6 +202,16 @@ fn split_glb(bytes: &[u8]) -> Outcome<Chunks> {
     }
     let json = json.ok_or("the GLB has no JSON chunk at its beginning")?;
     Ok((json, binary))
+}
+
+/// Bounds the memory that parsing takes. Braces and commas within strings count too; the base64 of
+/// large buffers has neither.
+fn check_size(json: &[u8]) -> Outcome<()> {
+    let count = |wanted: u8| json.iter().filter(|&&byte| byte == wanted).count();
+    if count(b'{') > MAX_JSON_OBJECTS || count(b',') > MAX_JSON_ITEMS {
+        return Err("the JSON holds more objects than could be meant".to_owned());
+    }
+    Ok(())
 }
 
 /// Only glTF 2.x; must come before the whole is read, because glTF 1.0 differs everywhere.

@@ -49,7 +49,7 @@ fn convert(context: &Context, file: &schema::Material, index: usize, textures: &
         within(context, value, f64::from(f32::MIN), f64::from(f32::MAX), &user, what)
     };
     let uv_sets = uv_sets(context, file, &user);
-    let mut texture = |info: &Option<TextureInfo>, srgb: bool| {
+    let mut texture = |info: &Option<Box<TextureInfo>>, srgb: bool| {
         let used = info.as_ref().map(|info| TextureUse {
             texture: textures.index(info.index, srgb),
             uv_set: u32::from(uv_set(info) == uv_sets[1]),
@@ -96,8 +96,8 @@ fn convert(context: &Context, file: &schema::Material, index: usize, textures: &
 }
 
 /// The texture's own scale or strength, 1 where there is none.
-fn number(info: &Option<TextureInfo>, field: impl Fn(&TextureInfo) -> Option<f64>) -> f64 {
-    info.as_ref().and_then(field).unwrap_or(1.0)
+fn number(info: &Option<Box<TextureInfo>>, field: impl Fn(&TextureInfo) -> Option<f64>) -> f64 {
+    info.as_deref().and_then(field).unwrap_or(1.0)
 }
 
 /// `value` brought into `low..=high`, with a warning where it was not. JSON has no NaN.
@@ -123,7 +123,7 @@ fn uv_sets(context: &Context, file: &schema::Material, user: &str) -> [u64; 2] {
         &file.occlusion_texture,
         &file.emissive_texture,
     ];
-    let mut needed: Vec<u64> = infos.into_iter().flatten().map(uv_set).collect();
+    let mut needed: Vec<u64> = infos.into_iter().flatten().map(|info| uv_set(info)).collect();
     needed.sort_unstable();
     needed.dedup();
     if needed.len() > 2 {

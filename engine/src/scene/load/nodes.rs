@@ -103,7 +103,7 @@ fn rest_pose(context: &Context, index: usize) -> Pose {
     let node = &context.document.root.nodes[index];
     let name = || label("node", index, node.name.as_deref());
     let has_parts = node.translation.is_some() || node.rotation.is_some() || node.scale.is_some();
-    let matrix = node.matrix.map(|numbers| affine(DMat4::from_cols_array(&numbers)));
+    let matrix = node.matrix.as_deref().map(|numbers| affine(DMat4::from_cols_array(numbers)));
     if matrix.is_some() && has_parts {
         context.warn(format!("{}: its matrix is used, its translation, rotation and scale ignored", name()));
     }

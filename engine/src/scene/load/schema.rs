@@ -2,6 +2,7 @@
 //!
 //! Nothing is checked here beyond JSON types: indices may point nowhere and enumerations may hold
 //! any text, so that one broken thing that the scene never uses does not cost the whole file.
+//! What is large and rare is boxed: a hostile file can hold millions of empty objects.
 //! Numbers are `f64` because JSON's are, and because `1e39` read as `f32` would become infinite.
 
 use std::collections::BTreeMap;
@@ -198,9 +199,9 @@ pub struct Image {
 pub struct Material {
     pub name: Option<String>,
     pub pbr_metallic_roughness: Pbr,
-    pub normal_texture: Option<TextureInfo>,
-    pub occlusion_texture: Option<TextureInfo>,
-    pub emissive_texture: Option<TextureInfo>,
+    pub normal_texture: Option<Box<TextureInfo>>,
+    pub occlusion_texture: Option<Box<TextureInfo>>,
+    pub emissive_texture: Option<Box<TextureInfo>>,
     pub emissive_factor: [f64; 3],
     pub alpha_mode: Option<String>,
     pub alpha_cutoff: f64,
@@ -250,10 +251,10 @@ impl Default for EmissiveStrength {
 #[serde(rename_all = "camelCase", default)]
 pub struct Pbr {
     pub base_color_factor: [f64; 4],
-    pub base_color_texture: Option<TextureInfo>,
+    pub base_color_texture: Option<Box<TextureInfo>>,
     pub metallic_factor: f64,
     pub roughness_factor: f64,
-    pub metallic_roughness_texture: Option<TextureInfo>,
+    pub metallic_roughness_texture: Option<Box<TextureInfo>>,
 }
 
 impl Default for Pbr {
@@ -329,7 +330,7 @@ pub struct Node {
     pub name: Option<String>,
     pub camera: Option<usize>,
     pub children: Vec<usize>,
-    pub matrix: Option<[f64; 16]>,
+    pub matrix: Option<Box<[f64; 16]>>,
     pub mesh: Option<usize>,
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,

@@ -143,7 +143,9 @@ fn mend_tangents(surface: &mut Surface) -> usize {
 fn texture_coordinates(surface: &Surface, texture: &TextureUse) -> Vec<Vec2> {
     let uvs = &surface.uvs[usize::from(texture.uv_set == 1)];
     let [u, v] = texture.uv_transform;
-    uvs.iter().map(|uv| Vec2::new(u.dot(uv.extend(1.0)), v.dot(uv.extend(1.0)))).collect()
+    let transformed = |uv: &Vec2| Vec2::new(u.dot(uv.extend(1.0)), v.dot(uv.extend(1.0)));
+    // Large numbers can overflow, and MikkTSpace is not made for NaN.
+    uvs.iter().map(transformed).map(|uv| if uv.is_finite() { uv } else { Vec2::ZERO }).collect()
 }
 
 /// MikkTSpace's view of a surface.

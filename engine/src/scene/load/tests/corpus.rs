@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use serde_json::{Value, json};
+
 use super::{check_whole, shared_scenes};
 use crate::scene::load::{LoadOptions, load};
 
@@ -74,6 +76,56 @@ fn every_shared_scene_loads_or_is_refused_in_one_line() {
     println!("{} files, {refused} refused", files.len());
 }
 
+/// The validator's files mostly have no scene, so that nothing of them is read: here all of their
+/// meshes are drawn, and all of their materials used.
+#[test]
+fn broken_files_without_a_scene_do_no_harm_in_one() {
+    let Some(scenes) = shared_scenes() else {
+        return;
+    };
+    let mut files = Vec::new();
+    collect(&scenes.join("negative"), &mut files);
+    let (mut loaded, mut refused) = (0, 0);
+    for path in files {
+        let Ok(Ok(mut root)) = std::fs::read(&path).map(|b| serde_json::from_slice::<Value>(&b)) else {
+            continue;
+        };
+        let meshes = root["meshes"].as_array().map_or(0, Vec::len);
+        let materials = root["materials"].as_array().map_or(0, Vec::len);
+        if !root["scenes"].is_null() || !root["nodes"].is_null() || meshes + materials == 0 {
+            continue;
+        }
+        root["nodes"] = (0..meshes).map(|mesh| json!({ "mesh": mesh })).collect();
+        if meshes == 0 && root["accessors"].is_null() && root["bufferViews"].is_null() {
+            // A triangle for each material; `buffers` only ever serve images in these files.
+            let uri = format!("data:;base64,{}", "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA");
+            let triangle = |material: usize| json!({ "primitives": [{ "attributes": { "POSITION": 0 }, "material": material }] });
+            root["meshes"] = (0..materials).map(triangle).collect();
+            root["nodes"] = (0..materials).map(|mesh| json!({ "mesh": mesh })).collect();
+            root["accessors"] =
+                json!([{ "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3 }]);
+            root["bufferViews"] = json!([{ "buffer": 0, "byteLength": 36 }]);
+            root["buffers"] = json!([{ "uri": uri, "byteLength": 36 }]);
+        }
+        let nodes = root["nodes"].as_array().map_or(0, Vec::len);
+        root["scenes"] = json!([{ "nodes": (0..nodes).collect::<Vec<_>>() }]);
+        let name = path.strip_prefix(&scenes).expect("found there").display();
+        match super::load_text(&root.to_string(), &LoadOptions { time_s: 0.3, scene_index: None }) {
+            Ok(scene) => {
+                check_whole(&scene);
+                println!("drawn   {name} {} instances {:?}", scene.instances.len(), scene.warnings);
+                loaded += 1;
+            }
+            Err(error) => {
+                assert!(!error.to_string().contains('\n'));
+                println!("refused {name} {}", error.to_string().split_once("test.gltf").map_or("", |s| s.1));
+                refused += 1;
+            }
+        }
+    }
+    println!("{loaded} drawn, {refused} refused");
+}
+
 /// The tangents that a file brings and those that are made for it agree: most importantly in the
 /// sign of the bitangent.
 #[test]
@@ -86,7 +138,7 @@ fn generated_tangents_agree_with_given_ones() {
     let stripped = text.replace("\"TANGENT\"", "\"_TANGENT\"");
     let copy = path.with_extension("copy");
     assert_ne!(text, stripped, "{} has tangents", copy.display());
-    let root: serde_json::Value = serde_json::from_str(&stripped).expect("JSON");
+    let root: Value = serde_json::from_str(&stripped).expect("JSON");
     let folder = tempfile::tempdir().expect("a temporary folder");
     for uri in ["buffers", "images"].into_iter().flat_map(|kind| root[kind].as_array().into_iter().flatten())
     {

@@ -163,6 +163,12 @@ fn work_is_limited() {
 }
 
 #[test]
+fn objects_are_limited() {
+    let text = format!(r#"{{"asset":{{"version":"2.0"}},"materials":[{}{{}}]}}"#, "{},".repeat(2_000_000));
+    assert_eq!(refusal(&text), "the JSON holds more objects than could be meant");
+}
+
+#[test]
 fn warnings_are_few() {
     let names: Vec<_> = (0..100).map(|i| format!("EXT_unknown_{i}")).collect();
     let text = json!({ "asset": { "version": "2.0" }, "extensionsUsed": names });

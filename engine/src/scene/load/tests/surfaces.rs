@@ -110,6 +110,57 @@ fn fallbacks_and_broken_images() {
 }
 
 #[test]
+fn huge_images_are_refused_before_they_are_decoded() {
+    let mut bytes = Cursor::new(Vec::new());
+    let image = DynamicImage::from(ImageBuffer::from_pixel(8, 8, image::Rgb([1u8, 2, 3])));
+    image.write_to(&mut bytes, ImageFormat::Jpeg).expect("an image in memory");
+    let mut bytes = bytes.into_inner();
+    let frame = bytes.windows(2).position(|pair| pair == [0xff, 0xc0]).expect("a frame header");
+    bytes[frame + 5..frame + 9].fill(0xff);
+    let material = json!({ "emissiveTexture": { "index": 0 } });
+    let line = with_material(material, &[bytes], json!({})).expect_err("huge").to_string();
+    assert!(line.contains("image 0 "), "{line}");
+}
+
+/// Two rings of triangles around a point, one few enough for MikkTSpace and one not.
+#[test]
+fn crowded_points_still_get_tangents() {
+    let material = json!({ "normalTexture": { "index": 0 } });
+    let image = png(ImageBuffer::from_pixel(1, 1, image::Rgb([128u8, 128, 255])));
+    for (segments, crowded) in [(100u16, false), (3000, true)] {
+        let mut file = File::default();
+        let rim = |i: u16| std::f32::consts::TAU * f32::from(i) / f32::from(segments);
+        let mut positions = vec![0.0, 0.0, 0.0];
+        positions.extend((0..segments).flat_map(|i| [rim(i).cos(), rim(i).sin(), 0.0]));
+        // The picture lies upright on the disc: v runs down.
+        let uvs: Vec<f32> = positions.chunks_exact(3).flat_map(|p| [p[0], -p[1]]).collect();
+        let normals = [0.0, 0.0, 1.0].repeat(usize::from(segments) + 1);
+        let corners: Vec<u16> = (0..segments).flat_map(|i| [0, i + 1, (i + 1) % segments + 1]).collect();
+        let view = file.view(&image);
+        let primitive = json!({
+            "attributes": {
+                "POSITION": file.floats("VEC3", &positions),
+                "NORMAL": file.floats("VEC3", &normals),
+                "TEXCOORD_0": file.floats("VEC2", &uvs),
+            },
+            "indices": file.indices(&corners),
+            "material": 0,
+        });
+        let mut rest = super::one_primitive(primitive);
+        rest["materials"] = json!([material]);
+        rest["images"] = json!([{ "bufferView": view }]);
+        rest["textures"] = json!([{ "source": 0 }]);
+        let scene = file.load(rest).expect("valid");
+        check_whole(&scene);
+        assert_eq!(scene.warnings.len(), usize::from(crowded), "{:?}", scene.warnings);
+        for vertex in &scene.meshes[0].vertices {
+            let [x, _, _, sign] = vertex.tangent;
+            assert!((x - 1.0).abs() < 1e-3 && sign == 1.0, "{segments}: {vertex:?}");
+        }
+    }
+}
+
+#[test]
 fn material_numbers_are_brought_into_range() {
     let material = json!({
         "name": "odd",
