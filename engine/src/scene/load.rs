@@ -46,7 +46,9 @@ pub struct LoadOptions {
 
 /// Loads a glTF file.
 ///
-/// Files without a scene or without triangles give a scene without instances.
+/// Files without a scene or without triangles give a scene without instances. Skinned meshes come
+/// in world space, their instances at most moving them. Where a material uses other UV sets than
+/// the first two, its meshes have those in their place.
 ///
 /// # Errors
 ///

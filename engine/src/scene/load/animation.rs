@@ -1,6 +1,7 @@
 //! Animations: what they make of the nodes at one time.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use glam::{DQuat, DVec3};
 
@@ -31,10 +32,9 @@ pub fn apply(context: &Context, time_s: f64, poses: &mut [Pose]) -> Outcome<()> 
     let mut inputs: HashMap<usize, Vec<f64>> = HashMap::new();
     let mut length_s = 0.0f64;
     for sampler in &animation.samplers {
-        if !inputs.contains_key(&sampler.input) {
-            let keys = read_keys(context, sampler.input, &name)?;
+        if let Entry::Vacant(unread) = inputs.entry(sampler.input) {
+            let keys = unread.insert(read_keys(context, sampler.input, &name)?);
             length_s = keys.last().copied().unwrap_or(0.0).max(length_s);
-            inputs.insert(sampler.input, keys);
         }
     }
     let within = (0.0..=length_s).contains(&time_s);

@@ -99,7 +99,7 @@ fn read_corners(context: &Context, primitive: &Primitive, vertices: usize, user:
 
 /// Triangles of lists (mode 4), strips (5) and fans (6), without those that use a vertex twice.
 fn assemble(context: &Context, mode: u64, corners: &[u32], user: &str) -> Outcome<Vec<[u32; 3]>> {
-    if mode == 4 && corners.len() % 3 != 0 {
+    if mode == 4 && !corners.len().is_multiple_of(3) {
         context.warn(format!("{user}: the last corners are no whole triangle"));
     }
     let count = if mode == 4 { corners.len() / 3 } else { corners.len().saturating_sub(2) };

@@ -1,5 +1,7 @@
 //! Positions, indices and instances.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use glam::{DVec3, Vec2, Vec3};
 use serde_json::json;
 
@@ -133,7 +135,7 @@ fn transforms_multiply_and_singular_ones_are_skipped() {
         "scenes": [{ "nodes": [0, 3] }],
         "nodes": [
             { "translation": [1e6, 0, 0], "scale": [2, -1, 1], "children": [1, 2] },
-            { "mesh": 0, "rotation": [0, 0, 0.7071067811865476, 0.7071067811865476] },
+            { "mesh": 0, "rotation": [0, 0, FRAC_1_SQRT_2, FRAC_1_SQRT_2] },
             { "mesh": 0, "scale": [1, 0, 1] },
             { "mesh": 0, "matrix": [0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0.1, 1] },
         ],

@@ -160,6 +160,44 @@ fn crowded_points_still_get_tangents() {
     }
 }
 
+/// Heaps of triangles that share corners, overlap, have no area in the texture or huge coordinates.
+#[test]
+fn random_triangles_get_tangents() {
+    let image = png(ImageBuffer::from_pixel(1, 1, image::Rgb([128u8, 128, 255])));
+    let mut state = 1u64;
+    let mut random = move |below: u64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % below
+    };
+    for round in 0..300 {
+        let scale = [1.0, 1e-30, 1e30, 3e38][round % 4];
+        let mut file = File::default();
+        let mut floats = |count: usize, scale: f32| -> Vec<f32> {
+            (0..count).map(|_| (random(4) as f32 / 3.0 - 0.5) * scale).collect()
+        };
+        let (positions, normals, uvs) = (floats(90, scale), floats(90, 1.0), floats(60, scale));
+        let corners: Vec<u16> = (0..180).map(|_| random(30) as u16).collect();
+        let view = file.view(&image);
+        let primitive = json!({
+            "attributes": {
+                "POSITION": file.floats("VEC3", &positions),
+                "NORMAL": file.floats("VEC3", &normals),
+                "TEXCOORD_0": file.floats("VEC2", &uvs),
+            },
+            "indices": file.indices(&corners),
+            "material": 0,
+        });
+        let mut rest = super::one_primitive(primitive);
+        rest["materials"] = json!([{ "normalTexture": { "index": 0 } }]);
+        rest["images"] = json!([{ "bufferView": view }]);
+        rest["textures"] = json!([{ "source": 0 }]);
+        let scene = file.load(rest).expect("valid");
+        check_whole(&scene);
+        let gave_up = scene.warnings.iter().any(|line| line.contains("MikkTSpace"));
+        assert!(!gave_up, "round {round}: {:?}", scene.warnings);
+    }
+}
+
 #[test]
 fn material_numbers_are_brought_into_range() {
     let material = json!({
