@@ -2,7 +2,10 @@
 
 pub mod error;
 pub mod fovea;
+pub mod gpu;
+pub mod graph;
 pub mod headless;
+pub mod host;
 pub mod io;
 pub mod quality;
 pub mod scene;

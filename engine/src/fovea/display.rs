@@ -63,4 +63,68 @@ impl DisplayGeometry {
             -1.0,
         )
     }
+
+    /// The display position at which a ray from the eye meets the display's plane; the inverse of
+    /// [`Self::ray_of_px`]. The ray's length does not matter, and the position may lie off the
+    /// display. `None` for a ray that runs along the plane or away from it, or so nearly along it
+    /// that the position overflows.
+    #[must_use]
+    pub fn px_of_ray(&self, ray: DVec3) -> Option<DVec2> {
+        let ahead = -ray.z;
+        if ahead.is_nan() || ahead <= 0.0 {
+            return None;
+        }
+        let share = DVec2::new(
+            (ray.x / ahead - self.tan_left) / (self.tan_right - self.tan_left),
+            (ray.y / ahead - self.tan_up) / (self.tan_down - self.tan_up),
+        );
+        let px = share * self.size_dvec2_px();
+        px.is_finite().then_some(px)
+    }
+
+    /// Angle between the rays through two display positions, rad, in `0..=pi`.
+    ///
+    /// From the tangent of the half-plane pair (cross and dot product), which keeps its relative
+    /// precision at angles near 0, where the arc cosine of a dot product loses half of its digits.
+    #[must_use]
+    pub fn eccentricity_rad(&self, gaze_px: DVec2, px: DVec2) -> f64 {
+        let (gaze, ray) = (self.ray_of_px(gaze_px), self.ray_of_px(px));
+        // The cross product with the *difference* of the rays: that difference comes from the
+        // pixels' difference, so that neighbours do not cancel.
+        let step = (px - gaze_px) / self.size_dvec2_px();
+        let difference = DVec3::new(
+            (self.tan_right - self.tan_left) * step.x,
+            (self.tan_down - self.tan_up) * step.y,
+            0.0,
+        );
+        gaze.cross(difference).length().atan2(gaze.dot(ray))
+    }
+
+    /// Distance from a position to the corner of the display farthest from it, px. The position may
+    /// lie off the display.
+    #[must_use]
+    pub fn farthest_corner_px(&self, gaze_px: DVec2) -> f64 {
+        farthest_corner_px(self.size_px, gaze_px)
+    }
+
+    /// The display's centre, px.
+    #[must_use]
+    pub fn center_px(&self) -> DVec2 {
+        self.size_dvec2_px() / 2.0
+    }
+
+    fn size_dvec2_px(&self) -> DVec2 {
+        size_dvec2_px(self.size_px)
+    }
+}
+
+/// Width and height as a vector, px.
+pub(super) fn size_dvec2_px(size_px: [u32; 2]) -> DVec2 {
+    DVec2::new(f64::from(size_px[0]), f64::from(size_px[1]))
+}
+
+/// Distance from a position to the farthest corner of a display, px.
+pub(super) fn farthest_corner_px(size_px: [u32; 2], gaze_px: DVec2) -> f64 {
+    let reach = gaze_px.abs().max((size_dvec2_px(size_px) - gaze_px).abs());
+    reach.x.hypot(reach.y)
 }

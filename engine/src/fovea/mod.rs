@@ -6,8 +6,10 @@ mod display;
 mod kernel;
 mod kfr;
 mod params;
+#[cfg(test)]
+mod tests;
 
 pub use display::DisplayGeometry;
-pub use kernel::Kernel;
-pub use kfr::{KfrMapping, LpCoord};
-pub use params::FoveaParams;
+pub use kernel::{Kernel, MAX_COEFFICIENTS};
+pub use kfr::{KfrMapping, LpCoord, LpJacobian};
+pub use params::{FoveaParams, GazeKeeper, MAX_GAZE_PX};

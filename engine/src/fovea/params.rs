@@ -1,3 +1,147 @@
 //! What the shaders need to know of the mapping.
-/// Stub.
-pub struct FoveaParams;
+
+use super::kernel::{Kernel, MAX_COEFFICIENTS};
+use super::kfr::KfrMapping;
+use glam::DVec2;
+use std::f64::consts::{LN_2, LOG2_E};
+
+/// A gaze farther from the display's origin than this is moved onto this circle, px. The mapping's
+/// single-precision twin is exact to 1e-6 px up to here.
+pub const MAX_GAZE_PX: f64 = 1e7;
+
+/// The mapping as the shaders see it; `FoveaParams` in `shaders/shared/fovea.glsl` has the same
+/// layout. All members are vectors of 16 bytes, for which std140, std430 and `repr(C)` agree.
+///
+/// Values marked *hi, lo* are pairs of which the sum carries about 48 bits: single precision alone
+/// would cost more than 1e-4 px on a large display.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct FoveaParams {
+    /// Gaze on the display, px: x hi, y hi, x lo, y lo.
+    pub gaze_px: [f32; 4],
+    /// Display width and height (px), LP-buffer width and height (texels).
+    pub size: [u32; 4],
+    /// LP-buffer width and height as floats, display width and height (px).
+    pub size_f: [f32; 4],
+    /// `L` hi, lo (L = ln of the distance to the farthest corner in px), `1/L` hi, lo.
+    pub log_reach: [f32; 4],
+    /// `ln 2 / (2 L)` head, tail (the head has 16 bits, so that its product with a small integer is
+    /// exact), `L / ln 2` hi, lo: scales of the fast paths.
+    pub octave: [f32; 4],
+    /// Kernel kind (0 power, 1 polynomial, 2 sine, 3 exponential), the power's exponent where it is
+    /// an integer and else 0, number of polynomial coefficients, 0.
+    pub kernel: [u32; 4],
+    /// The power's exponent alpha hi, lo, `1/alpha`, 0.
+    pub shape: [f32; 4],
+    /// Native radius (px), blend band (px), `u_norm` from which the LP filter works, distance to
+    /// the farthest corner (px).
+    pub ring: [f32; 4],
+    /// `beta_0` to `beta_7`, hi.
+    pub beta_hi: [[f32; 4]; 2],
+    /// `beta_0` to `beta_7`, lo.
+    pub beta_lo: [[f32; 4]; 2],
+}
+
+impl FoveaParams {
+    /// The block for a mapping.
+    #[must_use]
+    pub fn new(mapping: &KfrMapping) -> Self {
+        let (gaze_x, gaze_y) = (hi_lo(mapping.gaze_px().x), hi_lo(mapping.gaze_px().y));
+        let log_reach = mapping.log_reach();
+        let (reach, reach_inverse) = (hi_lo(log_reach), hi_lo(log_reach.recip()));
+        let octave_z = LN_2 / (2.0 * log_reach);
+        let octave_head = f32::from_bits((octave_z as f32).to_bits() & 0xffff_ff00);
+        let octave_tail = (octave_z - f64::from(octave_head)) as f32;
+        let octaves = hi_lo(log_reach * LOG2_E);
+        let [lp_width, lp_height] = mapping.lp_size();
+        let [width, height] = mapping.size_px();
+        let (alpha, beta) = match *mapping.kernel() {
+            Kernel::Power { alpha } => (alpha, [0.0; MAX_COEFFICIENTS]),
+            Kernel::Polynomial { beta } => (1.0, beta),
+            Kernel::Sine | Kernel::Exponential => (1.0, [0.0; MAX_COEFFICIENTS]),
+        };
+        let count = beta.iter().rposition(|value| *value != 0.0).map_or(0, |last| last + 1);
+        let alpha_pair = hi_lo(alpha);
+        let beta = beta.map(hi_lo);
+        let rows = |part: usize| {
+            [[0, 1, 2, 3], [4, 5, 6, 7]].map(|row: [usize; 4]| row.map(|index| beta[index][part]))
+        };
+        Self {
+            gaze_px: [gaze_x[0], gaze_y[0], gaze_x[1], gaze_y[1]],
+            size: [width, height, lp_width, lp_height],
+            size_f: [lp_width as f32, lp_height as f32, width as f32, height as f32],
+            log_reach: [reach[0], reach[1], reach_inverse[0], reach_inverse[1]],
+            octave: [octave_head, octave_tail, octaves[0], octaves[1]],
+            kernel: [kind(mapping.kernel()), integer_alpha(mapping.kernel()), count as u32, 0],
+            shape: [alpha_pair[0], alpha_pair[1], alpha.recip() as f32, 0.0],
+            ring: [
+                mapping.native_radius_px() as f32,
+                mapping.blend_band_px() as f32,
+                mapping.filter_start_u() as f32,
+                mapping.reach_px() as f32,
+            ],
+            beta_hi: rows(0),
+            beta_lo: rows(1),
+        }
+    }
+}
+
+fn kind(kernel: &Kernel) -> u32 {
+    match kernel {
+        Kernel::Power { .. } => 0,
+        Kernel::Polynomial { .. } => 1,
+        Kernel::Sine => 2,
+        Kernel::Exponential => 3,
+    }
+}
+
+fn integer_alpha(kernel: &Kernel) -> u32 {
+    match *kernel {
+        Kernel::Power { alpha } if alpha.fract() == 0.0 && (1.0..=6.0).contains(&alpha) => alpha as u32,
+        _ => 0,
+    }
+}
+
+/// The nearest single-precision value and what it leaves.
+fn hi_lo(value: f64) -> [f32; 2] {
+    let hi = value as f32;
+    [hi, (value - f64::from(hi)) as f32]
+}
+
+/// A finite gaze, at most [`MAX_GAZE_PX`] from the display's origin, in the same direction.
+pub(super) fn clamp_gaze_px(gaze_px: DVec2) -> DVec2 {
+    let most_px = gaze_px.abs().max_element();
+    if most_px <= MAX_GAZE_PX / 2.0 {
+        return gaze_px;
+    }
+    // Scaled first: the square of a coordinate near the largest double overflows.
+    let scaled = gaze_px / most_px;
+    let share = MAX_GAZE_PX / most_px / scaled.length();
+    if share < 1.0 { gaze_px * share } else { gaze_px }
+}
+
+/// Keeps the last valid gaze, for when the eye tracker delivers one that is none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GazeKeeper {
+    /// The gaze that stands in for an invalid one, px.
+    pub last_valid: DVec2,
+}
+
+impl GazeKeeper {
+    /// Starts from a finite gaze, usually the display's centre, px.
+    #[must_use]
+    pub fn new(start_px: DVec2) -> Self {
+        Self { last_valid: if start_px.is_finite() { clamp_gaze_px(start_px) } else { DVec2::ZERO } }
+    }
+
+    /// The gaze to render with, px, and whether it is the given one (clamped to [`MAX_GAZE_PX`] from
+    /// the display's origin where it is farther). One that is not finite yields the last valid gaze
+    /// and `false`.
+    pub fn accept(&mut self, gaze_px: DVec2) -> (DVec2, bool) {
+        let valid = gaze_px.is_finite();
+        if valid {
+            self.last_valid = clamp_gaze_px(gaze_px);
+        }
+        (self.last_valid, valid)
+    }
+}

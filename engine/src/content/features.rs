@@ -1,0 +1,64 @@
+//! What a scene has: it decides which effects run and how shaders are specialised.
+
+use crate::scene::environment::Environment;
+use crate::scene::{AlphaMode, LightKind, Scene};
+
+/// What the materials that are in use, the lights and the surroundings of a scene need.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SceneFeatures {
+    /// Opaque or masked triangles.
+    pub opaque: bool,
+    /// Blended triangles.
+    pub blend: bool,
+    /// Alpha-masked materials.
+    pub alpha_mask: bool,
+    /// Normal maps.
+    pub normal_maps: bool,
+    /// Emissive or unlit materials.
+    pub emissive: bool,
+    /// Occlusion maps.
+    pub occlusion: bool,
+    /// Vertex colours.
+    pub vertex_colors: bool,
+    /// Directional lights.
+    pub directional_lights: u32,
+    /// Point lights.
+    pub point_lights: u32,
+    /// Spot lights.
+    pub spot_lights: u32,
+    /// An environment map.
+    pub environment: bool,
+}
+
+impl SceneFeatures {
+    /// Looks through a scene.
+    #[must_use]
+    pub fn of(scene: &Scene, environment: Option<&Environment>) -> Self {
+        let mut features = Self { environment: environment.is_some(), ..Self::default() };
+        for instance in &scene.instances {
+            let material = &scene.materials[instance.material];
+            let blend = material.alpha_mode == AlphaMode::Blend;
+            features.blend |= blend;
+            features.opaque |= !blend;
+            features.alpha_mask |= matches!(material.alpha_mode, AlphaMode::Mask { .. });
+            features.normal_maps |= material.normal_texture.is_some();
+            features.emissive |= material.unlit || material.emissive.max_element() > 0.0;
+            features.occlusion |= material.occlusion_texture.is_some();
+            features.vertex_colors |= scene.meshes[instance.mesh].has_colors;
+        }
+        for light in &scene.lights {
+            match light.kind {
+                LightKind::Directional => features.directional_lights += 1,
+                LightKind::Point { .. } => features.point_lights += 1,
+                LightKind::Spot { .. } => features.spot_lights += 1,
+            }
+        }
+        features
+    }
+
+    /// All punctual lights.
+    #[must_use]
+    pub fn lights(&self) -> u32 {
+        self.directional_lights + self.point_lights + self.spot_lights
+    }
+}

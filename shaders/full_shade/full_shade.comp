@@ -1,0 +1,14 @@
+// Full-resolution shading, the reference: every pixel of the display.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/deferred.glsl"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(set = 0, binding = 9, rgba16f) uniform writeonly image2D hdr;
+
+void main() {
+    ivec2 px = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(uvec2(px), frame.size))) {
+        return;
+    }
+    imageStore(hdr, px, vec4(shade_px(px), 1.0));
+}

@@ -1,0 +1,27 @@
+// Shades the samples of the list: native pixels into the display image, LP texels into the LP-buffer.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shared/deferred.glsl"
+#include "shared/lp_targets.glsl"
+
+void main() {
+    uint entry;
+    if (!sample_entry(entry)) {
+        return;
+    }
+    bool native_sample = (entry & NATIVE_SAMPLE) != 0u;
+    ivec2 px;
+    if (native_sample) {
+        px = native_px(entry);
+    } else {
+        // The texel's centre may lie just outside the display: the inverse pass interpolates with it.
+        vec2 at = fovea_inverse_offset(fovea, vec2(lp_texel(entry)) + 0.5) + fovea.gaze_px.xy;
+        px = clamp(ivec2(floor(at)), ivec2(0), ivec2(fovea.size.xy) - 1);
+    }
+    vec4 radiance = vec4(shade_px(px), 1.0);
+    if (native_sample) {
+        imageStore(hdr, px, radiance);
+    } else {
+        imageStore(lp, lp_texel(entry), radiance);
+    }
+}
