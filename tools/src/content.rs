@@ -51,7 +51,9 @@ impl Source {
     /// Those of loading and generating.
     pub fn open(&self, hall: &HallArgs, time_s: f64) -> Result<Subject, Failure> {
         match self {
-            Self::File(path) => library::load_scene(path, time_s).map(|scene| Subject::Scene(Box::new(scene))),
+            Self::File(path) => {
+                library::load_scene(path, time_s).map(|scene| Subject::Scene(Box::new(scene)))
+            }
             Self::Hall => {
                 let scene = library::hall_scene(&library::hall_options(hall)?)?;
                 Ok(Subject::Scene(Box::new(scene)))
@@ -149,7 +151,8 @@ fn camera_by_name(scene: &Scene, name: &str) -> Result<DMat4, Failure> {
         return Ok(camera.world_from_view);
     }
     let names = scene.cameras.iter().map(|camera| format!("`{}`", camera.name)).collect::<Vec<_>>();
-    let known = if names.is_empty() { "no cameras; use --eye and --look-at".into() } else { names.join(", ") };
+    let known =
+        if names.is_empty() { "no cameras; use --eye and --look-at".into() } else { names.join(", ") };
     Err(Failure::usage(format!("{} has no camera `{name}`; it has {known}", scene.name)))
 }
 

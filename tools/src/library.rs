@@ -16,7 +16,7 @@ use std::path::Path;
 
 /// A kernel of given polynomial coefficients.
 pub fn polynomial(beta: &[f64]) -> Result<Kernel, Failure> {
-    Ok(Kernel::Polynomial { beta: beta.to_vec() })
+    Ok(Kernel::polynomial(beta)?)
 }
 
 /// A scene file at a time in seconds.
@@ -86,8 +86,13 @@ pub fn write_exr(path: &Path, size: [u32; 2], rgba: &[f32]) -> Result<(), Failur
 }
 
 /// The KFR mapping on the CPU. Neither coordinate depends on sigma.
-pub fn map_on_cpu(display: &DisplayGeometry, gaze_px: DVec2, kernel: &Kernel, points: &[DVec2]) -> Vec<LpCoord> {
-    let mapping = KfrMapping::new(display.size_px, gaze_px, kernel.clone(), 1.0);
+pub fn map_on_cpu(
+    display: &DisplayGeometry,
+    gaze_px: DVec2,
+    kernel: &Kernel,
+    points: &[DVec2],
+) -> Vec<LpCoord> {
+    let mapping = KfrMapping::new(display.size_px, gaze_px, *kernel, 1.0);
     points.iter().map(|&point| mapping.forward(point)).collect()
 }
 

@@ -123,8 +123,20 @@ mod tests {
     #[test]
     fn negative_numbers_are_values() {
         let cli = Cli::try_parse_from([
-            "macula", "render", "hall", "-o", "a.png", "--gaze", "-0.2,0.5", "--eye", "-1,0,0", "--look-at",
-            "-2,0,0", "--beta", "-0.5,1.5", "--json",
+            "macula",
+            "render",
+            "hall",
+            "-o",
+            "a.png",
+            "--gaze",
+            "-0.2,0.5",
+            "--eye",
+            "-1,0,0",
+            "--look-at",
+            "-2,0,0",
+            "--beta",
+            "-0.5,1.5",
+            "--json",
         ]);
         assert!(cli.is_ok_and(|cli| cli.json));
     }

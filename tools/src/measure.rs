@@ -32,7 +32,10 @@ pub struct Pairs<T> {
 ///
 /// # Errors
 /// The first one of `measure`, whose argument is `true` for the second variant.
-pub fn measure_pairs<T, E>(count: usize, mut measure: impl FnMut(bool) -> Result<T, E>) -> Result<Pairs<T>, E> {
+pub fn measure_pairs<T, E>(
+    count: usize,
+    mut measure: impl FnMut(bool) -> Result<T, E>,
+) -> Result<Pairs<T>, E> {
     let mut pairs = Pairs { first: Vec::with_capacity(count), second: Vec::with_capacity(count) };
     for pair in 0..count {
         let swapped = pair % 2 == 1;
@@ -86,8 +89,11 @@ pub fn pass_medians(frames: &[FrameStats]) -> Vec<PassMedian> {
         passes.filter(|pass| pass.name == name).map(|pass| pass.gpu_ms).collect::<Vec<_>>()
     };
     let own = last.passes.iter().filter(|pass| !pass.diagnostic);
-    own.map(|pass| PassMedian { name: pass.name, gpu_ms: median(&times_of(pass.name)).unwrap_or(pass.gpu_ms) })
-        .collect()
+    own.map(|pass| PassMedian {
+        name: pass.name,
+        gpu_ms: median(&times_of(pass.name)).unwrap_or(pass.gpu_ms),
+    })
+    .collect()
 }
 
 /// The frames' whole GPU times.

@@ -45,10 +45,12 @@ pub fn run(args: &CompareArgs, json: bool) -> Result<(), Failure> {
             size_b[1]
         )));
     }
-    let eye = args.gaze.zip(args.hfov_deg).map(|(gaze, hfov_deg)| {
-        (DisplayGeometry::symmetric(size, hfov_deg), gaze_px(gaze, size))
-    });
-    let comparison = library::compare_pictures(&a, &b, size, eye.as_ref().map(|(display, gaze)| (display, *gaze)))?;
+    let eye = args
+        .gaze
+        .zip(args.hfov_deg)
+        .map(|(gaze, hfov_deg)| (DisplayGeometry::symmetric(size, hfov_deg), gaze_px(gaze, size)));
+    let comparison =
+        library::compare_pictures(&a, &b, size, eye.as_ref().map(|(display, gaze)| (display, *gaze)))?;
     if json {
         return output::print_json(&comparison);
     }

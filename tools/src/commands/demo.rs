@@ -25,7 +25,9 @@ const GAZES: [(&str, [f64; 2]); 3] = [("centre", [0.5, 0.5]), ("left", [0.2, 0.6
 ///
 /// The page index.html holds everything: open it in any browser. The folder is made if need be.
 #[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  macula demo\n  macula demo -o out/large --size 1920x1080 --triangles 250000")]
+#[command(
+    after_help = "Examples:\n  macula demo\n  macula demo -o out/large --size 1920x1080 --triangles 250000"
+)]
 pub struct DemoArgs {
     /// Folder for the pictures and index.html
     #[arg(short, long, value_name = "FOLDER", default_value = "out/demo")]
@@ -170,7 +172,13 @@ pub fn run(args: &DemoArgs, json: bool) -> Result<(), Failure> {
     if json {
         return output::print_json(&report(args, &device, &page, &path));
     }
-    output::print(&format!("{} ({})\n\n{}\npage: {}\n", device.name(), device.driver(), table(&page), path.display()))
+    output::print(&format!(
+        "{} ({})\n\n{}\npage: {}\n",
+        device.name(),
+        device.driver(),
+        table(&page),
+        path.display()
+    ))
 }
 
 fn facts(args: &DemoArgs, device: &HeadlessDevice, subject: &Subject) -> Vec<(&'static str, String)> {

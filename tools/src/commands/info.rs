@@ -68,7 +68,9 @@ struct CameraInfo {
 pub fn run(args: &InfoArgs, json: bool) -> Result<(), Failure> {
     let subject = args.scene.open(&HallArgs::default(), args.time)?;
     let Subject::Scene(scene) = subject else {
-        return Err(Failure::usage("the ray-marched scene has no file to tell of; name a .gltf or .glb file"));
+        return Err(Failure::usage(
+            "the ray-marched scene has no file to tell of; name a .gltf or .glb file",
+        ));
     };
     let info = info_of(&scene);
     if json { output::print_json(&info) } else { output::print(&text(&info)) }
@@ -183,7 +185,8 @@ mod tests {
     #[test]
     fn materials_and_cameras_are_listed() {
         let material = Material { name: "glass".into(), alpha_mode: AlphaMode::Blend, ..Material::default() };
-        let camera = Camera { name: "door".into(), world_from_view: glam::DMat4::IDENTITY, yfov_rad: Some(1.0) };
+        let camera =
+            Camera { name: "door".into(), world_from_view: glam::DMat4::IDENTITY, yfov_rad: Some(1.0) };
         let scene = Scene { materials: vec![material], cameras: vec![camera], ..Scene::default() };
         let text = text(&info_of(&scene));
         assert!(text.contains("glass") && text.contains("blend"), "{text}");

@@ -126,8 +126,8 @@ fn read_points(
     let mut points = Vec::new();
     for (index, line) in input.lines().enumerate() {
         let number = index + 1;
-        let line = line
-            .map_err(|error| Failure::environment(format!("standard input, line {number}: {error}")))?;
+        let line =
+            line.map_err(|error| Failure::environment(format!("standard input, line {number}: {error}")))?;
         if line.trim().is_empty() {
             continue;
         }

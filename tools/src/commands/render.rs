@@ -1,6 +1,6 @@
 //! `macula render`: one picture and what it cost.
 
-use crate::content::{CameraArgs, Source, Subject, load_environment, parse_source};
+use crate::content::{CameraArgs, Source, load_environment, parse_source};
 use crate::failure::Failure;
 use crate::library;
 use crate::measure::{PassMedian, gpu_times, median, pass_medians};
@@ -232,7 +232,9 @@ impl RenderArgs {
             return Err(Failure::usage("--view is drawn on the tone-mapped picture; write it to a .png"));
         }
         if exr && self.tone_map.is_some() {
-            return Err(Failure::usage("an .exr holds linear radiance; leave --tone-map out or write a .png"));
+            return Err(Failure::usage(
+                "an .exr holds linear radiance; leave --tone-map out or write a .png",
+            ));
         }
         match self.time {
             Some(time) if !time.is_finite() => {
@@ -272,7 +274,9 @@ impl RenderArgs {
             (self.shadow_map_size.is_some(), "--shadow-map-size"),
         ];
         if let Some((_, name)) = of_triangles.iter().find(|(given, _)| sdf && *given) {
-            return Err(Failure::usage(format!("{name} has no meaning for the ray-marched scene; leave it out")));
+            return Err(Failure::usage(format!(
+                "{name} has no meaning for the ray-marched scene; leave it out"
+            )));
         }
         if self.spp.is_some() && !sdf {
             return Err(Failure::usage("--spp is for sdf:primitives only; leave it out"));
@@ -285,7 +289,6 @@ impl RenderArgs {
         }
     }
 }
-
 
 /// Whether a picture's name asks for EXR; otherwise it must ask for PNG.
 fn is_exr(path: &Path) -> Result<bool, Failure> {
@@ -300,10 +303,9 @@ fn is_exr(path: &Path) -> Result<bool, Failure> {
 /// Says before the rendering, not after it, that a picture has nowhere to go.
 fn check_folder(path: &Path) -> Result<(), Failure> {
     match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(Failure::environment(format!(
-            "{}: the folder does not exist; make it first or write elsewhere",
-            path.display()
-        ))),
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(Failure::environment(
+            format!("{}: the folder does not exist; make it first or write elsewhere", path.display()),
+        )),
         _ => Ok(()),
     }
 }

@@ -82,10 +82,7 @@ impl Page<'_> {
 
     fn summary(&self) -> String {
         let speedups = self.gazes.iter().map(|part| part.speedup);
-        let (low, high) = (
-            speedups.clone().fold(f64::INFINITY, f64::min),
-            speedups.fold(0.0, f64::max),
-        );
+        let (low, high) = (speedups.clone().fold(f64::INFINITY, f64::min), speedups.fold(0.0, f64::max));
         let shares = self.gazes.iter().map(|part| part.samples[1] as f64 / part.samples[0].max(1) as f64);
         let share = shares.fold(0.0, f64::max);
         let card = |value: String, what: &str| format!("<div><b>{value}</b><span>{what}</span></div>");

@@ -34,7 +34,11 @@ pub fn text(results: &Results) -> String {
         let title = format!("Passes of {} at {}x{}, ms", row.scene, row.size[0], row.size[1]);
         section(&mut text, &title, &passes(row));
     }
-    section(&mut text, "Passes as published (table 4.1: Bistro at 1920x1080, GTX 1080), ms", &published_passes());
+    section(
+        &mut text,
+        "Passes as published (table 4.1: Bistro at 1920x1080, GTX 1080), ms",
+        &published_passes(),
+    );
     text
 }
 
@@ -44,8 +48,18 @@ fn section(text: &mut String, title: &str, body: &str) {
 
 fn speedups(rows: &[Row]) -> String {
     let header = [
-        "scene", "lights", "size", "full ms", "KFR ms", "speed-up", "least..greatest", "published",
-        "samples full", "samples KFR", "filter+inverse", "",
+        "scene",
+        "lights",
+        "size",
+        "full ms",
+        "KFR ms",
+        "speed-up",
+        "least..greatest",
+        "published",
+        "samples full",
+        "samples KFR",
+        "filter+inverse",
+        "",
     ];
     let cells = rows.iter().map(|row| {
         vec![
@@ -95,7 +109,8 @@ fn passes(row: &Row) -> String {
             names.insert(at.map_or(0, |at| at + 1), pass.name);
         }
     }
-    let cells = |name: &str| vec![name.to_owned(), time_in(&row.passes_full, name), time_in(&row.passes_kfr, name)];
+    let cells =
+        |name: &str| vec![name.to_owned(), time_in(&row.passes_full, name), time_in(&row.passes_kfr, name)];
     let mut rows = names.into_iter().map(cells).collect::<Vec<_>>();
     rows.push(vec!["total".into(), format!("{:.3}", row.full_ms), format!("{:.3}", row.kfr_ms)]);
     table(&["pass", "full", "KFR"], &rows)

@@ -160,7 +160,8 @@ impl Loaded<'_> {
         renderer.render(&input)?;
         let frames = (0..args.runs).map(|_| renderer.render(&input)).collect::<Result<Vec<_>, _>>()?;
         let passes = pass_medians(&frames);
-        let filter_ms = passes.iter().filter(|pass| pass.name == POST_FILTER_PASS).map(|pass| pass.gpu_ms).sum();
+        let filter_ms =
+            passes.iter().filter(|pass| pass.name == POST_FILTER_PASS).map(|pass| pass.gpu_ms).sum();
         Ok(PostFilterRow {
             size: row.size,
             scene: self.name.clone(),
