@@ -11,6 +11,7 @@ use macula::scene::Scene;
 use macula::scene::hall::{self, HallOptions};
 use macula::scene::load::{LoadOptions, load};
 use serde::Serialize;
+use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
@@ -54,7 +55,9 @@ pub fn hall_scene(options: &HallOptions) -> Result<Scene, Failure> {
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let failed = |error: std::io::Error| Failure::from(macula::Error::io(path, error));
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+    // Made by hand so that the file gets the permissions of any other, not those of a secret.
+    let make = |path: &Path| File::options().write(true).create_new(true).open(path);
+    let mut file = tempfile::Builder::new().make_in(folder, make).map_err(failed)?;
     file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(failed)?;
     file.persist(path).map_err(|error| failed(error.error))?;
     Ok(())

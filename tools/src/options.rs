@@ -75,6 +75,9 @@ pub enum KernelName {
     Exp,
 }
 
+/// What the thesis' user study chose.
+const DEFAULT_ALPHA: f64 = 4.0;
+
 /// Which kernel, with its parameters.
 #[derive(Args, Clone, Debug)]
 pub struct KernelArgs {
@@ -100,6 +103,16 @@ impl KernelArgs {
         given.into_iter().find_map(|(is_given, name)| is_given.then_some(name))
     }
 
+    /// The kernel in words.
+    pub fn label(&self) -> String {
+        match (self.kernel.unwrap_or(KernelName::Pow), &self.beta) {
+            (KernelName::Pow, _) => format!("pow, alpha {}", self.alpha.unwrap_or(DEFAULT_ALPHA)),
+            (KernelName::Poly, beta) => format!("poly, beta {:?}", beta.as_deref().unwrap_or_default()),
+            (KernelName::Sin, _) => "sin".into(),
+            (KernelName::Exp, _) => "exp".into(),
+        }
+    }
+
     /// The kernel, checked.
     ///
     /// # Errors
@@ -113,7 +126,7 @@ impl KernelArgs {
             return Err(Failure::usage("--beta belongs to --kernel poly; add that or leave --beta out"));
         }
         let kernel = match (name, &self.beta) {
-            (KernelName::Pow, _) => Kernel::Power { alpha: self.alpha.unwrap_or(4.0) },
+            (KernelName::Pow, _) => Kernel::Power { alpha: self.alpha.unwrap_or(DEFAULT_ALPHA) },
             (KernelName::Sin, _) => Kernel::Sine,
             (KernelName::Exp, _) => Kernel::Exponential,
             (KernelName::Poly, Some(beta)) => library::polynomial(beta)?,

@@ -91,7 +91,7 @@ impl Page<'_> {
         } else {
             format!("{low:.1}–{high:.1}×")
         };
-        card(range, "faster than full shading, whole frame")
+        card(range, "speed-up of the whole frame")
             + &card(format!("{:.0} %", share * 100.0), "of the shading samples, at most")
             + &card(format!("{}×{}", self.size[0], self.size[1]), "pixels")
     }
@@ -116,7 +116,7 @@ impl Page<'_> {
              <h3 class=\"print-only\">Gaze {name}</h3>\n\
              <div class=\"stack\" style=\"--ratio:{width}/{height};--x:{x}%;--y:{y}%\">\n\
              <div class=\"pane\"><img class=\"under\" width=\"{width}\" height=\"{height}\" alt=\"Full shading\"{full}>\
-             <span class=\"tag\">full</span></div>\n\
+             <span class=\"mark\" title=\"gaze\"></span><span class=\"tag\">full</span></div>\n\
              <div class=\"pane top\">{}{}{}<span class=\"mark\" title=\"gaze\"></span>\
              <span class=\"tag right\">foveated</span></div>\n\
              <span class=\"line\"></span>\n\
@@ -140,16 +140,16 @@ impl Page<'_> {
         let mut rows = String::new();
         for part in &self.gazes {
             let [full, kfr] = part.samples;
-            _ = write!(
+            _ = writeln!(
                 rows,
-                "<tr><th scope=\"row\">{} <small>({}, {})</small></th><td>{:.1}</td><td>{:.1}</td>\
-                 <td><b>{:.2}×</b></td><td>{}</td><td>{}</td></tr>\n",
+                "<tr><th scope=\"row\">{} <small>({}, {})</small></th><td><b>{:.2}×</b></td>\
+                 <td>{:.1}</td><td>{:.1}</td><td>{}</td><td>{}</td></tr>",
                 escaped(part.name),
                 part.gaze[0],
                 part.gaze[1],
+                part.speedup,
                 part.full_ms,
                 part.kfr_ms,
-                part.speedup,
                 grouped(full),
                 grouped(kfr)
             );
@@ -185,9 +185,9 @@ fn effects(effects: &Effects) -> String {
     for (state, notes) in [("runs", &effects.run), ("left out", &effects.skipped)] {
         for note in notes {
             let class = if state == "runs" { "on" } else { "off" };
-            _ = write!(
+            _ = writeln!(
                 rows,
-                "<tr class=\"{class}\"><th scope=\"row\">{}</th><td>{state}</td><td>{}</td></tr>\n",
+                "<tr class=\"{class}\"><th scope=\"row\">{}</th><td>{state}</td><td>{}</td></tr>",
                 escaped(note.name),
                 escaped(&note.why)
             );

@@ -74,7 +74,7 @@ fn speedups(rows: &[Row]) -> String {
             grouped(row.samples_full),
             grouped(row.samples_kfr),
             format!("{:.1} %", row.added_share * 100.0),
-            if row.pays { String::new() } else { "does not pay".into() },
+            if row.pays { "pays".into() } else { "does not pay".into() },
         ]
     });
     table(&header, &cells.collect::<Vec<_>>())

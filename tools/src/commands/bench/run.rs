@@ -236,7 +236,7 @@ pub fn run(args: &KfrBenchArgs) -> Result<Results, Failure> {
         driver: device.driver().to_owned(),
         method: "kfr",
         sigma: args.sigma,
-        kernel: format!("{:?}", args.kernel.kernel()?),
+        kernel: args.kernel.label(),
         hfov_deg: args.hfov_deg,
         gaze: args.gaze.to_array(),
         runs: args.runs,
