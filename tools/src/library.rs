@@ -6,13 +6,11 @@ use glam::DVec2;
 use macula::fovea::{DisplayGeometry, Kernel, KfrMapping, LpCoord};
 use macula::headless::{DeviceOptions, HeadlessDevice};
 use macula::io::image_file;
-use macula::quality::compare::{Comparison, compare};
+use macula::quality::compare::{self, Comparison};
 use macula::scene::Scene;
 use macula::scene::hall::{self, HallOptions};
 use macula::scene::load::{LoadOptions, load};
 use serde::Serialize;
-use std::fs::File;
-use std::io::Write;
 use std::path::Path;
 
 /// A kernel of given polynomial coefficients.
@@ -53,24 +51,29 @@ pub fn hall_scene(options: &HallOptions) -> Result<Scene, Failure> {
 
 /// Writes a file that appears under its name only when it is whole.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let failed = |error: std::io::Error| Failure::from(macula::Error::io(path, error));
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // Made by hand so that the file gets the permissions of any other, not those of a secret.
-    let make = |path: &Path| File::options().write(true).create_new(true).open(path);
-    let mut file = tempfile::Builder::new().make_in(folder, make).map_err(failed)?;
-    file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map_err(failed)?;
-    file.persist(path).map_err(|error| failed(error.error))?;
-    Ok(())
+    Ok(image_file::write_atomically(path, |file| file.write_all(bytes))?)
 }
 
-/// Compares two pictures of one size; with a display and a gaze also by eccentricity.
+/// Pixels per degree that FLIP takes where no display is given: 3840 px on 0.7 m, seen from 0.7 m.
+pub const FLIP_PIXELS_PER_DEGREE: f32 = 67.02;
+
+/// Compares two RGBA pictures of one size; with a display and a gaze also by eccentricity.
 pub fn compare_pictures(
     a: &[u8],
     b: &[u8],
     size: [u32; 2],
     eye: Option<(&DisplayGeometry, DVec2)>,
 ) -> Result<Comparison, Failure> {
-    Ok(compare(a, b, size, eye)?)
+    let (a, b) = (compare::rgb_of_rgba(a), compare::rgb_of_rgba(b));
+    if let Some((display, gaze_px)) = eye {
+        return Ok(compare::compare(&a, &b, display, gaze_px)?);
+    }
+    Ok(Comparison {
+        psnr_db: compare::psnr_db(&a, &b)?,
+        flip: compare::flip_mean(&a, &b, size, FLIP_PIXELS_PER_DEGREE)?,
+        psnr_within_5_deg_db: None,
+        rings: Vec::new(),
+    })
 }
 
 /// An 8-bit picture from a PNG file.

@@ -32,24 +32,24 @@ pub fn note(text: &str) {
     _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// Columns padded to their widest cell, the first to the left and the others to the right.
+/// Columns padded to their widest cell, those that hold numbers to the right.
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let head = header.iter().map(|&cell| cell.to_owned()).collect::<Vec<_>>();
-    let widths = (0..header.len())
-        .map(|column| {
-            let cells = rows.iter().chain([&head]).filter_map(|row| row.get(column));
-            cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
-        })
-        .collect::<Vec<_>>();
+    let cells_of = |column: usize| rows.iter().filter_map(move |row| row.get(column));
+    let width_of = |column: usize| {
+        let cells = cells_of(column).chain(head.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let starts_with_digit = |cell: &String| cell.starts_with(|first: char| first.is_ascii_digit());
+    // The first column names the row, even where names begin with digits.
+    let to_right = |column: usize| column > 0 && cells_of(column).any(starts_with_digit);
+    let columns = (0..header.len()).map(|column| (width_of(column), to_right(column))).collect::<Vec<_>>();
+    let rule = columns.iter().map(|&(width, _)| "-".repeat(width)).collect();
     let mut text = String::new();
-    let rule = widths.iter().map(|&width| "-".repeat(width)).collect();
     for row in [&head, &rule].into_iter().chain(rows) {
         let mut line = String::new();
-        for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
-            _ = match column {
-                0 => write!(line, "{cell:<width$}"),
-                _ => write!(line, "  {cell:>width$}"),
-            };
+        for (cell, &(width, to_right)) in row.iter().zip(&columns) {
+            _ = if to_right { write!(line, "{cell:>width$}  ") } else { write!(line, "{cell:<width$}  ") };
         }
         text.push_str(line.trim_end());
         text.push('\n');
@@ -76,9 +76,10 @@ mod tests {
 
     #[test]
     fn columns_line_up() {
-        let rows = [vec!["gbuffer".into(), "1.5".into()], vec!["lp".into(), "12.25".into()]];
-        let text = table(&["pass", "ms"], &rows);
-        assert_eq!(text, "pass        ms\n-------  -----\ngbuffer    1.5\nlp       12.25\n");
+        let rows = [["gbuffer", "1.5", "x"], ["lp", "12.25", "yes"]];
+        let text = table(&["pass", "ms", "runs"], &rows.map(|row| row.map(str::to_owned).to_vec()));
+        let expected = "pass        ms  runs\n-------  -----  ----\ngbuffer    1.5  x\nlp       12.25  yes\n";
+        assert_eq!(text, expected);
     }
 
     #[test]

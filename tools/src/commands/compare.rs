@@ -7,10 +7,13 @@ use crate::output;
 use clap::Args;
 use glam::DVec2;
 use macula::fovea::DisplayGeometry;
-use serde_json::Value;
+use macula::quality::compare::{Comparison, Ring};
 use std::path::PathBuf;
 
 /// Compare two PNG pictures: PSNR, FLIP, and both per ring of eccentricity around a gaze
+///
+/// FLIP is 0 (equal) to 1. It depends on how large pixels look: with --hfov-deg the pictures fill such
+/// a display, otherwise there are 67 pixels to a degree.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  macula compare full.png kfr.png\n  \
                         macula compare full.png kfr.png --gaze 0.5,0.5 --hfov-deg 100 --json")]
@@ -51,52 +54,60 @@ pub fn run(args: &CompareArgs, json: bool) -> Result<(), Failure> {
         .map(|(gaze, hfov_deg)| (DisplayGeometry::symmetric(size, hfov_deg), gaze_px(gaze, size)));
     let comparison =
         library::compare_pictures(&a, &b, size, eye.as_ref().map(|(display, gaze)| (display, *gaze)))?;
-    if json {
-        return output::print_json(&comparison);
-    }
-    let value = serde_json::to_value(&comparison)
-        .map_err(|error| Failure::environment(format!("the comparison cannot be shown: {error}")))?;
-    output::print(&text(&value))
+    if json { output::print_json(&comparison) } else { output::print(&text(&comparison)) }
 }
 
-/// A number, or a dash where there is none (identical pictures have no finite PSNR).
-fn cell(value: &Value) -> String {
-    match value {
-        Value::Number(number) if number.is_f64() => format!("{:.4}", number.as_f64().unwrap_or(f64::NAN)),
-        Value::Null => "-".into(),
-        other => other.to_string().trim_matches('"').to_owned(),
+/// A PSNR, or a dash where there are no pixels.
+pub fn decibels(psnr_db: Option<f64>) -> String {
+    match psnr_db {
+        Some(f64::INFINITY) => "equal".into(),
+        Some(psnr_db) => format!("{psnr_db:.2} dB"),
+        None => "-".into(),
     }
 }
 
-/// Figures of the whole picture, one a line, then a table for each list (the rings).
-fn text(comparison: &Value) -> String {
-    let mut text = String::new();
-    let Value::Object(fields) = comparison else { return text };
-    for (name, value) in fields.iter().filter(|(_, value)| !value.is_array()) {
-        text.push_str(&format!("{name:<10} {}\n", cell(value)));
+fn text(comparison: &Comparison) -> String {
+    let mut text = format!("PSNR  {}\nFLIP  {:.4}\n", decibels(Some(comparison.psnr_db)), comparison.flip);
+    if comparison.rings.is_empty() {
+        return text;
     }
-    for rows in fields.values().filter_map(Value::as_array) {
-        let Some(Value::Object(first)) = rows.first() else { continue };
-        let header = first.keys().map(String::as_str).collect::<Vec<_>>();
-        let row = |row: &Value| header.iter().map(|&name| cell(&row[name])).collect::<Vec<_>>();
-        text.push('\n');
-        text.push_str(&output::table(&header, &rows.iter().map(row).collect::<Vec<_>>()));
-    }
-    text
+    text += &format!("PSNR within 5 degrees of the gaze  {}\n\n", decibels(comparison.psnr_within_5_deg_db));
+    let row = |ring: &Ring| {
+        let range = if ring.to_deg.is_finite() {
+            format!("{} to {} degrees", ring.from_deg, ring.to_deg)
+        } else {
+            format!("{} degrees and more", ring.from_deg)
+        };
+        let flip = ring.flip.map_or("-".into(), |flip| format!("{flip:.4}"));
+        vec![range, output::grouped(ring.pixels), decibels(ring.psnr_db), flip]
+    };
+    let rows = comparison.rings.iter().map(row).collect::<Vec<_>>();
+    text + &output::table(&["from the gaze", "pixels", "PSNR", "FLIP"], &rows)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
 
     #[test]
     fn rings_become_a_table() {
-        let text = text(&json!({
-            "psnr_db": null, "flip": 0.25,
-            "rings": [{"from_deg": 0.0, "psnr_db": 51.5}, {"from_deg": 5.0, "psnr_db": null}],
-        }));
-        assert!(text.contains("psnr_db    -\n") && text.contains("0.2500"), "{text}");
-        assert!(text.contains("51.5000") && text.lines().count() == 7, "{text}");
+        let ring = |from_deg, to_deg, psnr_db| Ring { from_deg, to_deg, pixels: 1200, psnr_db, flip: None };
+        let text = text(&Comparison {
+            psnr_db: 33.333,
+            flip: 0.25,
+            psnr_within_5_deg_db: Some(f64::INFINITY),
+            rings: vec![ring(0.0, 5.0, Some(51.5)), ring(5.0, f64::INFINITY, None)],
+        });
+        for part in ["33.33 dB", "0.2500", "gaze  equal", "0 to 5 degrees", "51.50 dB", "5 degrees and more"]
+        {
+            assert!(text.contains(part), "{part} in {text}");
+        }
+    }
+
+    #[test]
+    fn without_a_gaze_there_are_no_rings() {
+        let whole =
+            Comparison { psnr_db: f64::INFINITY, flip: 0.0, psnr_within_5_deg_db: None, rings: vec![] };
+        assert_eq!(text(&whole), "PSNR  equal\nFLIP  0.0000\n");
     }
 }

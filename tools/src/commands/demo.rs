@@ -1,5 +1,6 @@
 //! `macula demo`: the generated scene at several gaze points, as pictures, a table and a page.
 
+use crate::commands::compare::decibels;
 use crate::content::{CameraArgs, Source, Subject};
 use crate::failure::Failure;
 use crate::library;
@@ -108,8 +109,8 @@ impl<'a> Stage<'a> {
         let size = self.args.size;
         let foveated = self.kfr.read_rgba8()?;
         let (lp_width, lp_height, lp_linear) = self.kfr.read_lp()?.unwrap_or_default();
-        let display = self.args.settings(Method::Full);
-        let lp_rgba8 = lp_picture(&lp_linear, display.tone_map, display.exposure);
+        let settings = self.args.settings(Method::Full);
+        let lp_rgba8 = lp_picture(&lp_linear, settings.tone_map, settings.exposure);
         self.rings.render(&self.input(gaze))?;
         let rings = self.rings.read_rgba8()?;
         let samples = |frames: &[FrameStats]| frames.last().map_or(0, |frame| frame.samples_shaded);
@@ -129,6 +130,12 @@ impl<'a> Stage<'a> {
             speedup: speedup(&full_times, &kfr_times).ok_or_else(no_times)?.median,
             samples: [samples(&pairs.first), samples(&pairs.second)],
             passes: pass_medians(&pairs.second),
+            error: library::compare_pictures(
+                full,
+                &foveated,
+                size,
+                Some((&settings.display, gaze_px(gaze.into(), size))),
+            )?,
         })
     }
 }
@@ -203,9 +210,11 @@ fn table(page: &Page<'_>) -> String {
             format!("{:.2}x", part.speedup),
             grouped(part.samples[0]),
             grouped(part.samples[1]),
+            decibels(part.error.psnr_within_5_deg_db),
         ]
     };
-    let header = ["gaze", "full ms", "foveated ms", "speed-up", "samples full", "samples foveated"];
+    let header =
+        ["gaze", "full ms", "foveated ms", "speed-up", "samples full", "samples foveated", "PSNR within 5°"];
     output::table(&header, &page.gazes.iter().map(row).collect::<Vec<_>>())
 }
 
@@ -218,6 +227,7 @@ fn report(args: &DemoArgs, device: &HeadlessDevice, page: &Page<'_>, path: &Path
             "speedup": part.speedup,
             "samples_full": part.samples[0],
             "samples_kfr": part.samples[1],
+            "error": part.error,
         })
     };
     json!({

@@ -2,8 +2,10 @@
 
 pub mod picture;
 
+use crate::commands::compare::decibels;
 use crate::measure::PassMedian;
 use crate::output::grouped;
+use macula::quality::compare::Comparison;
 use macula::stats::{Effects, LpStats};
 use std::fmt::Write;
 
@@ -51,6 +53,8 @@ pub struct GazePart {
     pub samples: [u64; 2],
     /// Foveated passes.
     pub passes: Vec<PassMedian>,
+    /// The foveated picture against the full one.
+    pub error: Comparison,
 }
 
 impl Page<'_> {
@@ -143,7 +147,7 @@ impl Page<'_> {
             _ = writeln!(
                 rows,
                 "<tr><th scope=\"row\">{} <small>({}, {})</small></th><td><b>{:.2}×</b></td>\
-                 <td>{:.1}</td><td>{:.1}</td><td>{}</td><td>{}</td></tr>",
+                 <td>{:.1}</td><td>{:.1}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.3}</td></tr>",
                 escaped(part.name),
                 part.gaze[0],
                 part.gaze[1],
@@ -151,7 +155,9 @@ impl Page<'_> {
                 part.full_ms,
                 part.kfr_ms,
                 grouped(full),
-                grouped(kfr)
+                grouped(kfr),
+                decibels(part.error.psnr_within_5_deg_db),
+                part.error.flip
             );
         }
         rows
@@ -227,6 +233,7 @@ mod tests {
             speedup: 3.0,
             samples: [2_073_600, 500_000],
             passes: vec![PassMedian { name: "lp_shade", gpu_ms: 6.0 }],
+            error: Comparison { psnr_db: 30.0, flip: 0.1, psnr_within_5_deg_db: Some(45.0), rings: vec![] },
         }
     }
 
