@@ -24,59 +24,88 @@ const PAYS_FROM: f64 = 1.05;
 /// Everything that was measured.
 #[derive(Serialize)]
 pub struct Results {
+    /// The device.
     pub device: String,
+    /// Its driver.
     pub driver: String,
+    /// The method that is compared with full shading.
     pub method: &'static str,
+    /// Display width over LP-buffer width.
     pub sigma: f64,
+    /// The kernel in words.
     pub kernel: String,
+    /// The display's horizontal field of view.
     pub hfov_deg: f64,
+    /// Fractions of the display.
     pub gaze: [f64; 2],
+    /// Pairs for each row.
     pub runs: u32,
+    /// Each scene at each size.
     pub rows: Vec<Row>,
     /// The hall at the first size, with different numbers of lights.
     pub light_sweep: Vec<Row>,
     /// The post filter of Eq. 2.14, which the rows leave out.
     pub post_filter: Vec<PostFilterRow>,
+    /// Table 4.2.
     pub published_rates: [PublishedRate; 6],
+    /// Table 4.1.
     pub published_passes: [PublishedPass; 7],
 }
 
-/// One scene at one size.
-#[derive(Serialize)]
+/// One scene at one size; times are medians of whole frames on the GPU.
+#[derive(Default, Serialize)]
 pub struct Row {
+    /// Display, px.
     pub size: [u32; 2],
+    /// What was rendered.
     pub scene: String,
+    /// Lights in it; `None` where it is ray-marched.
     pub lights: Option<usize>,
+    /// Full shading.
     pub full_ms: f64,
+    /// Foveated.
     pub kfr_ms: f64,
     /// Median of the pairs' ratios.
     pub speedup: f64,
+    /// How far those ratios lie apart.
     pub spread: Spread,
+    /// Shading samples with full shading.
     pub samples_full: u64,
+    /// Shading samples foveated.
     pub samples_kfr: u64,
+    /// Passes with full shading.
     pub passes_full: Vec<PassMedian>,
+    /// Passes foveated.
     pub passes_kfr: Vec<PassMedian>,
     /// LP filter and inverse over the full frame's time.
     pub added_share: f64,
+    /// The published speed-up at this size and kind of scene.
     pub published_speedup: Option<f64>,
     /// Whether foveation pays.
     pub pays: bool,
 }
 
 /// The least and the greatest of the pairs' ratios.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Copy, Default, Serialize)]
 pub struct Spread {
+    /// What `low` and `high` are.
     pub kind: &'static str,
+    /// The least.
     pub low: f64,
+    /// The greatest.
     pub high: f64,
 }
 
 /// What the post filter adds.
 #[derive(Serialize)]
 pub struct PostFilterRow {
+    /// Display, px.
     pub size: [u32; 2],
+    /// What was rendered.
     pub scene: String,
+    /// The whole foveated frame with the filter.
     pub kfr_with_post_filter_ms: f64,
+    /// The filter's pass alone.
     pub post_filter_ms: f64,
     /// The post filter over the full frame's time.
     pub share: f64,
@@ -123,34 +152,10 @@ impl Loaded<'_> {
             let renderer = if second { &mut kfr } else { &mut full };
             renderer.render(&input)
         })?;
-        self.row(size, &pairs.first, &pairs.second)
-    }
-
-    fn row(&self, size: [u32; 2], full: &[FrameStats], kfr: &[FrameStats]) -> Result<Row, Failure> {
-        let (full_times, kfr_times) = (gpu_times(full), gpu_times(kfr));
-        let measured = speedup(&full_times, &kfr_times);
-        let Speedup { median: ratio, least, greatest } = measured.ok_or_else(no_times)?;
-        let full_ms = median(&full_times).ok_or_else(no_times)?;
-        let passes_kfr = pass_medians(kfr);
-        let added = passes_kfr.iter().filter(|pass| ADDED_PASSES.contains(&pass.name));
-        let added_ms = added.map(|pass| pass.gpu_ms).sum::<f64>();
-        let samples = |frames: &[FrameStats]| frames.last().map_or(0, |frame| frame.samples_shaded);
-        Ok(Row {
-            size,
-            scene: self.name.clone(),
-            lights: self.subject.scene().map(|scene| scene.lights.len()),
-            full_ms,
-            kfr_ms: median(&kfr_times).ok_or_else(no_times)?,
-            speedup: ratio,
-            spread: Spread { kind: "least and greatest ratio of a pair", low: least, high: greatest },
-            samples_full: samples(full),
-            samples_kfr: samples(kfr),
-            passes_full: pass_medians(full),
-            passes_kfr,
-            added_share: added_ms / full_ms,
-            published_speedup: paper::speedup(self.kind(), size),
-            pays: ratio >= PAYS_FROM,
-        })
+        let published_speedup = paper::speedup(self.kind(), size);
+        let lights = self.subject.scene().map(|scene| scene.lights.len());
+        let row = Row { size, scene: self.name.clone(), lights, published_speedup, ..Row::default() };
+        row.with_frames(&pairs.first, &pairs.second)
     }
 
     fn measure_post_filter(&self, args: &KfrBenchArgs, row: &Row) -> Result<PostFilterRow, Failure> {
@@ -175,6 +180,33 @@ impl Loaded<'_> {
         let display = DisplayGeometry::symmetric(size, args.hfov_deg);
         let world_from_view = CameraArgs::default().world_from_view(&self.subject, &display)?;
         Ok(FrameInput { world_from_view, gaze_px: gaze_px(args.gaze, size) })
+    }
+}
+
+impl Row {
+    /// Fills in what follows from the frames of the alternating pairs.
+    fn with_frames(self, full: &[FrameStats], kfr: &[FrameStats]) -> Result<Self, Failure> {
+        let (full_times, kfr_times) = (gpu_times(full), gpu_times(kfr));
+        let measured = speedup(&full_times, &kfr_times);
+        let Speedup { median: ratio, least, greatest } = measured.ok_or_else(no_times)?;
+        let full_ms = median(&full_times).ok_or_else(no_times)?;
+        let passes_kfr = pass_medians(kfr);
+        let added = passes_kfr.iter().filter(|pass| ADDED_PASSES.contains(&pass.name));
+        let added_ms = added.map(|pass| pass.gpu_ms).sum::<f64>();
+        let samples = |frames: &[FrameStats]| frames.last().map_or(0, |frame| frame.samples_shaded);
+        Ok(Self {
+            full_ms,
+            kfr_ms: median(&kfr_times).ok_or_else(no_times)?,
+            speedup: ratio,
+            spread: Spread { kind: "least and greatest ratio of a pair", low: least, high: greatest },
+            samples_full: samples(full),
+            samples_kfr: samples(kfr),
+            passes_full: pass_medians(full),
+            passes_kfr,
+            added_share: added_ms / full_ms,
+            pays: ratio >= PAYS_FROM,
+            ..self
+        })
     }
 }
 
@@ -246,4 +278,46 @@ pub fn run(args: &KfrBenchArgs) -> Result<Results, Failure> {
         published_rates: paper::RATES,
         published_passes: paper::PASSES,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use macula::stats::PassTime;
+
+    fn frame(passes: &[(&'static str, f64)], samples_shaded: u64) -> FrameStats {
+        let pass = |&(name, gpu_ms): &(&'static str, f64)| PassTime { name, gpu_ms, diagnostic: false };
+        let gpu_ms = passes.iter().map(|(_, gpu_ms)| gpu_ms).sum();
+        FrameStats {
+            passes: passes.iter().map(pass).collect(),
+            gpu_ms,
+            samples_shaded,
+            ..FrameStats::default()
+        }
+    }
+
+    #[test]
+    fn a_row_follows_from_its_frames() {
+        let full = [frame(&[("gbuffer", 2.0), ("full_shade", 18.0)], 1000)];
+        let kfr = [frame(&[("gbuffer", 2.0), ("lp_shade", 2.0), ("lp_filter", 0.4), ("inverse", 0.6)], 300)];
+        let Ok(row) = Row::default().with_frames(&full, &kfr) else { panic!() };
+        assert!((row.speedup - 4.0).abs() < 1e-12 && row.pays);
+        // Filter and inverse together, over the full frame.
+        assert!((row.added_share - 0.05).abs() < 1e-12);
+        assert_eq!((row.samples_full, row.samples_kfr), (1000, 300));
+    }
+
+    #[test]
+    fn a_small_gain_does_not_pay() {
+        let of =
+            |full_ms| Row::default().with_frames(&[frame(&[("a", full_ms)], 1)], &[frame(&[("a", 10.0)], 1)]);
+        assert!(of(10.4).is_ok_and(|row| !row.pays));
+        assert!(of(10.6).is_ok_and(|row| row.pays));
+    }
+
+    #[test]
+    fn a_device_without_timestamps_is_an_error() {
+        let still = [frame(&[("a", 0.0)], 1)];
+        assert!(matches!(Row::default().with_frames(&still, &still), Err(Failure::Environment(_))));
+    }
 }
