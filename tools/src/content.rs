@@ -41,7 +41,7 @@ impl Source {
         match self {
             Self::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
             Self::Hall => "hall".into(),
-            Self::Sdf => "sdf:primitives".into(),
+            Self::Sdf => "sdf".into(),
         }
     }
 

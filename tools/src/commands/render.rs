@@ -348,6 +348,9 @@ fn report<'a>(
     if let Some(count) = non_finite.filter(|count| *count > 0) {
         warnings.push(format!("{count} values in the frame's buffers are NaN or infinite"));
     }
+    if let Some(count) = validation_messages.filter(|count| *count > 0) {
+        warnings.push(format!("the validation layer sent {count} messages; please report them"));
+    }
     Report {
         device: device.name(),
         driver: device.driver(),
@@ -373,8 +376,8 @@ fn print_text(args: &RenderArgs, report: &Report<'_>) -> Result<(), Failure> {
         output::note(&format!("warning: {warning}"));
     }
     let mut text = format!("{} on {} ({})\n\n", args.output.display(), report.device, report.driver);
-    let mut rows = report.passes.iter().map(|pass| vec![pass.name.to_owned(), format!("{:.3}", pass.gpu_ms)]);
-    let mut rows = rows.by_ref().collect::<Vec<_>>();
+    let row = |pass: &PassMedian| vec![pass.name.to_owned(), format!("{:.3}", pass.gpu_ms)];
+    let mut rows = report.passes.iter().map(row).collect::<Vec<_>>();
     rows.push(vec!["frame".into(), format!("{:.3}", report.gpu_ms)]);
     text += &output::table(&["pass", "GPU ms"], &rows);
     let pixels = u64::from(report.size[0]) * u64::from(report.size[1]);
