@@ -1,0 +1,10 @@
+//! One file for each command.
+
+pub mod bench;
+pub mod compare;
+pub mod demo;
+pub mod doctor;
+pub mod info;
+pub mod map;
+pub mod render;
+pub mod scene;

@@ -1,0 +1,159 @@
+//! Comparing two variants' GPU times in one run.
+//!
+//! Variants are measured alternately, because clocks and other load drift over minutes: the ratio
+//! within a pair is far steadier than the ratio of two separate series.
+
+use macula::stats::FrameStats;
+use serde::Serialize;
+
+/// The median; the mean of the middle two for an even number. `None` of nothing.
+pub fn median(values: &[f64]) -> Option<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.len() / 2;
+    match sorted.len() {
+        0 => None,
+        count if count % 2 == 1 => Some(sorted[middle]),
+        _ => Some((sorted[middle - 1] + sorted[middle]) / 2.0),
+    }
+}
+
+/// Frames of two variants; the i-th of one was measured beside the i-th of the other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pairs<T> {
+    /// Of the first variant.
+    pub first: Vec<T>,
+    /// Of the second variant.
+    pub second: Vec<T>,
+}
+
+/// Measures `count` pairs; in every other pair the second variant goes first, so that neither
+/// always profits from what the other left in the caches.
+///
+/// # Errors
+/// The first one of `measure`, whose argument is `true` for the second variant.
+pub fn measure_pairs<T, E>(
+    count: usize,
+    mut measure: impl FnMut(bool) -> Result<T, E>,
+) -> Result<Pairs<T>, E> {
+    let mut pairs = Pairs { first: Vec::with_capacity(count), second: Vec::with_capacity(count) };
+    for pair in 0..count {
+        let swapped = pair % 2 == 1;
+        for second in [swapped, !swapped] {
+            let result = measure(second)?;
+            if second { &mut pairs.second } else { &mut pairs.first }.push(result);
+        }
+    }
+    Ok(pairs)
+}
+
+/// How many times faster the second variant is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Speedup {
+    /// Median of the pairs' ratios.
+    pub median: f64,
+    /// The least ratio of any pair.
+    pub least: f64,
+    /// The greatest ratio of any pair.
+    pub greatest: f64,
+}
+
+/// Ratios of paired times, first over second; `None` where there is no pair with times above 0.
+pub fn speedup(first_ms: &[f64], second_ms: &[f64]) -> Option<Speedup> {
+    let ratios = first_ms
+        .iter()
+        .zip(second_ms)
+        .filter(|&(&first, &second)| first > 0.0 && second > 0.0)
+        .map(|(first, second)| first / second)
+        .collect::<Vec<_>>();
+    let median = median(&ratios)?;
+    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    let greatest = ratios.iter().copied().fold(0.0, f64::max);
+    Some(Speedup { median, least, greatest })
+}
+
+/// One pass's time over several frames.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PassMedian {
+    /// The pass.
+    pub name: &'static str,
+    /// Median over the frames, milliseconds.
+    pub gpu_ms: f64,
+}
+
+/// Each pass's median over the frames, in the last frame's order; without the passes that only look.
+pub fn pass_medians(frames: &[FrameStats]) -> Vec<PassMedian> {
+    let Some(last) = frames.last() else { return Vec::new() };
+    let times_of = |name: &str| {
+        let passes = frames.iter().flat_map(|frame| &frame.passes);
+        passes.filter(|pass| pass.name == name).map(|pass| pass.gpu_ms).collect::<Vec<_>>()
+    };
+    let own = last.passes.iter().filter(|pass| !pass.diagnostic);
+    own.map(|pass| PassMedian {
+        name: pass.name,
+        gpu_ms: median(&times_of(pass.name)).unwrap_or(pass.gpu_ms),
+    })
+    .collect()
+}
+
+/// The frames' whole GPU times.
+pub fn gpu_times(frames: &[FrameStats]) -> Vec<f64> {
+    frames.iter().map(|frame| frame.gpu_ms).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use macula::stats::PassTime;
+
+    #[test]
+    fn median_of_odd_even_and_none() {
+        assert_eq!(median(&[3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), Some(2.5));
+        assert_eq!(median(&[]), None);
+    }
+
+    #[test]
+    fn pairs_alternate_and_every_other_one_is_swapped() {
+        let mut order = String::new();
+        let pairs = measure_pairs(3, |second| {
+            order.push(if second { 'B' } else { 'A' });
+            Ok::<_, ()>(second)
+        });
+        assert_eq!(order, "ABBAAB");
+        assert_eq!(pairs, Ok(Pairs { first: vec![false; 3], second: vec![true; 3] }));
+    }
+
+    #[test]
+    fn a_failing_measurement_ends_the_series() {
+        let mut calls = 0;
+        let result = measure_pairs(5, |_| {
+            calls += 1;
+            if calls == 3 { Err("lost") } else { Ok(()) }
+        });
+        assert_eq!((result, calls), (Err("lost"), 3));
+    }
+
+    #[test]
+    fn speedup_is_the_median_of_ratios_not_the_ratio_of_medians() {
+        // Ratios 2, 10, 3; the medians' ratio would be 4 / 2 = 2.
+        let of = speedup(&[2.0, 20.0, 4.5], &[1.0, 2.0, 1.5]);
+        assert_eq!(of, Some(Speedup { median: 3.0, least: 2.0, greatest: 10.0 }));
+        assert_eq!(speedup(&[1.0], &[0.0]), None);
+        assert_eq!(speedup(&[], &[]), None);
+    }
+
+    #[test]
+    fn pass_medians_leave_out_diagnostic_passes() {
+        let frame = |shade: f64| FrameStats {
+            passes: vec![
+                PassTime { name: "shade", gpu_ms: shade, diagnostic: false },
+                PassTime { name: "check", gpu_ms: 9.0, diagnostic: true },
+            ],
+            gpu_ms: shade,
+            ..FrameStats::default()
+        };
+        let medians = pass_medians(&[frame(1.0), frame(5.0), frame(2.0)]);
+        assert_eq!(medians, [PassMedian { name: "shade", gpu_ms: 2.0 }]);
+    }
+}

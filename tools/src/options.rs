@@ -1,0 +1,220 @@
+//! Options that several commands share, and how their values are read.
+
+use crate::failure::Failure;
+use crate::library;
+use clap::{Args, ValueEnum};
+use glam::{DVec2, DVec3};
+use macula::fovea::{DisplayGeometry, Kernel};
+
+/// `WxH`.
+pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(['x', 'X']).map(|(width, height)| [width, height].map(str::parse::<u32>));
+    match sides {
+        Some([Ok(0), Ok(_)] | [Ok(_), Ok(0)]) => Err("both sides must be at least 1 px".into()),
+        Some([Ok(width), Ok(height)]) => Ok([width, height]),
+        _ => Err("expected WxH in pixels, as in 1920x1080".into()),
+    }
+}
+
+fn parse_numbers<const N: usize>(text: &str, form: &str) -> Result<[f64; N], String> {
+    let numbers = text.split(',').map(|part| part.trim().parse::<f64>()).collect::<Result<Vec<_>, _>>();
+    let numbers = numbers.ok().filter(|numbers| numbers.iter().all(|number| number.is_finite()));
+    let numbers = numbers.and_then(|numbers| <[f64; N]>::try_from(numbers).ok());
+    numbers.ok_or_else(|| format!("expected {N} finite numbers, as in {form}"))
+}
+
+/// `X,Y`.
+pub fn parse_pair(text: &str) -> Result<DVec2, String> {
+    parse_numbers::<2>(text, "0.5,0.5").map(DVec2::from_array)
+}
+
+/// `x,y,z`.
+pub fn parse_point(text: &str) -> Result<DVec3, String> {
+    parse_numbers::<3>(text, "0,1.6,4").map(DVec3::from_array)
+}
+
+/// A horizontal field of view in degrees.
+pub fn parse_hfov(text: &str) -> Result<f64, String> {
+    let degrees = text.parse::<f64>().ok().filter(|degrees| *degrees > 0.0 && *degrees < 179.0);
+    degrees.ok_or_else(|| "expected degrees, above 0 and below 179".into())
+}
+
+/// The display that one renders for.
+#[derive(Args, Clone, Debug)]
+pub struct DisplayArgs {
+    /// Display size in pixels
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = parse_size)]
+    pub size: [u32; 2],
+    /// Horizontal field of view of the display in degrees, above 0 and below 179
+    #[arg(long, value_name = "D", default_value = "100", value_parser = parse_hfov)]
+    pub hfov_deg: f64,
+}
+
+impl DisplayArgs {
+    /// The display's geometry.
+    pub fn geometry(&self) -> DisplayGeometry {
+        DisplayGeometry::symmetric(self.size, self.hfov_deg)
+    }
+}
+
+/// A fraction of the display as display pixels.
+pub fn gaze_px(gaze: DVec2, size: [u32; 2]) -> DVec2 {
+    gaze * DVec2::from_array(size.map(f64::from))
+}
+
+/// The kernel functions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum KernelName {
+    /// x^alpha
+    Pow,
+    /// Sum of beta_i x^i
+    Poly,
+    /// sin(pi x / 2)
+    Sin,
+    /// (e^x - 1)/(e - 1)
+    Exp,
+}
+
+/// What the thesis' user study chose.
+const DEFAULT_ALPHA: f64 = 4.0;
+
+/// Which kernel, with its parameters.
+#[derive(Args, Clone, Debug)]
+pub struct KernelArgs {
+    /// Kernel function, which spreads the LP-buffer's columns over the radius [default: pow]
+    #[arg(long, value_enum, value_name = "NAME")]
+    pub kernel: Option<KernelName>,
+    /// Exponent of the kernel pow, 1 to 6: more samples at the edge, fewer at the fovea [default: 4]
+    #[arg(long, value_name = "A", allow_hyphen_values = true)]
+    pub alpha: Option<f64>,
+    /// Coefficients of the kernel poly from beta_0 (0) on, with sum 1, as in 0,0.25,0.25,0.5
+    #[arg(long, value_name = "B0,B1,..", value_delimiter = ',', allow_hyphen_values = true)]
+    pub beta: Option<Vec<f64>>,
+}
+
+impl KernelArgs {
+    /// The first of these options that was given.
+    pub fn given(&self) -> Option<&'static str> {
+        let given = [
+            (self.kernel.is_some(), "--kernel"),
+            (self.alpha.is_some(), "--alpha"),
+            (self.beta.is_some(), "--beta"),
+        ];
+        given.into_iter().find_map(|(is_given, name)| is_given.then_some(name))
+    }
+
+    /// The kernel in words.
+    pub fn label(&self) -> String {
+        match (self.kernel.unwrap_or(KernelName::Pow), &self.beta) {
+            (KernelName::Pow, _) => format!("pow, alpha {}", self.alpha.unwrap_or(DEFAULT_ALPHA)),
+            (KernelName::Poly, beta) => format!("poly, beta {:?}", beta.as_deref().unwrap_or_default()),
+            (KernelName::Sin, _) => "sin".into(),
+            (KernelName::Exp, _) => "exp".into(),
+        }
+    }
+
+    /// The kernel, checked.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] for a parameter that belongs to another kernel or is out of range.
+    pub fn kernel(&self) -> Result<Kernel, Failure> {
+        let name = self.kernel.unwrap_or(KernelName::Pow);
+        if self.alpha.is_some() && name != KernelName::Pow {
+            return Err(Failure::usage("--alpha belongs to --kernel pow; leave one of the two out"));
+        }
+        if self.beta.is_some() && name != KernelName::Poly {
+            return Err(Failure::usage("--beta belongs to --kernel poly; add that or leave --beta out"));
+        }
+        let kernel = match (name, &self.beta) {
+            (KernelName::Pow, _) => Kernel::Power { alpha: self.alpha.unwrap_or(DEFAULT_ALPHA) },
+            (KernelName::Sin, _) => Kernel::Sine,
+            (KernelName::Exp, _) => Kernel::Exponential,
+            (KernelName::Poly, Some(beta)) => library::polynomial(beta)?,
+            (KernelName::Poly, None) => {
+                return Err(Failure::usage(
+                    "--kernel poly needs its coefficients; add --beta, as in --beta 0,0.25,0.25,0.5",
+                ));
+            }
+        };
+        kernel.check()?;
+        Ok(kernel)
+    }
+}
+
+/// The generated scene's size.
+#[derive(Args, Clone, Debug, Default)]
+pub struct HallArgs {
+    /// Triangles of the generated hall, about, 10000 to 5000000 [default: 250000]
+    #[arg(long, value_name = "N")]
+    pub triangles: Option<u32>,
+    /// Lights of the generated hall, 1 to 1000 [default: 256]
+    #[arg(long, value_name = "N")]
+    pub lights: Option<u32>,
+    /// Seed of the generated hall: the same seed gives the same bytes [default: 1]
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+}
+
+impl HallArgs {
+    /// The first of these options that was given.
+    pub fn given(&self) -> Option<&'static str> {
+        let given = [
+            (self.triangles.is_some(), "--triangles"),
+            (self.lights.is_some(), "--lights"),
+            (self.seed.is_some(), "--seed"),
+        ];
+        given.into_iter().find_map(|(is_given, name)| is_given.then_some(name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_or_refused() {
+        assert_eq!(parse_size("1920x1080"), Ok([1920, 1080]));
+        for bad in ["", "1920", "0x5", "5x0", "-3x4", "1x2x3", "4294967296x1", "axb"] {
+            assert!(parse_size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn points_are_read_or_refused() {
+        assert_eq!(parse_pair("-0.25, 1e-1"), Ok(DVec2::new(-0.25, 0.1)));
+        assert_eq!(parse_point("1,2,-3"), Ok(DVec3::new(1.0, 2.0, -3.0)));
+        for bad in ["", "1", "1,2,3", "nan,1", "inf,0", "1;2"] {
+            assert!(parse_pair(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn fields_of_view_are_read_or_refused() {
+        assert_eq!(parse_hfov("100"), Ok(100.0));
+        for bad in ["0", "-10", "179", "400", "nan", "wide"] {
+            assert!(parse_hfov(bad).is_err(), "{bad}");
+        }
+    }
+
+    fn kernel_args(kernel: Option<KernelName>, alpha: Option<f64>, beta: Option<Vec<f64>>) -> KernelArgs {
+        KernelArgs { kernel, alpha, beta }
+    }
+
+    #[test]
+    fn kernels_take_only_their_own_parameters() {
+        let default = kernel_args(None, None, None);
+        assert_eq!(default.given(), None);
+        assert!(matches!(default.kernel(), Ok(Kernel::Power { alpha: 4.0 })));
+        let sine = kernel_args(Some(KernelName::Sin), None, None);
+        assert!(matches!(sine.kernel(), Ok(Kernel::Sine)));
+        for wrong in [
+            kernel_args(Some(KernelName::Sin), Some(2.0), None),
+            kernel_args(None, None, Some(vec![0.0, 1.0])),
+            kernel_args(Some(KernelName::Poly), None, None),
+            kernel_args(Some(KernelName::Exp), None, Some(vec![0.0, 1.0])),
+        ] {
+            assert!(matches!(wrong.kernel(), Err(Failure::Usage(_))), "{wrong:?}");
+            assert!(wrong.given().is_some());
+        }
+    }
+}
