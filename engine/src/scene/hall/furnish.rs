@@ -110,9 +110,11 @@ fn twist(detail: Detail, material: M) -> Mesh {
     shapes::block(&mut mesh, M::NeroMarble, low, dvec3(0.6, 0.4, 0.6), 0.04, false);
     mesh.frame = DAffine3::from_translation(DVec3::Y * 0.4);
     let segments = [mesh.segments(48.0, 8), mesh.segments(70.0, 8)];
-    shapes::revolve(&mut mesh, material, segments, [false, true], |u, t| {
+    // The vertices turn with the square, so that they stay on its edges.
+    mesh.grid(material, segments, Facing::Natural, [false, true], |u, t| {
         let radius = 0.42 * (1.0 - t * t * t) * (1.0 - 0.25 * sin(PI * t));
-        dvec2(radius * shapes::squircle(u + 0.8 * t), 2.9 * t)
+        let at = turn(u + 0.8 * t) * radius * shapes::squircle(u);
+        (dvec3(at.x, 2.9 * t, -at.y), dvec2(3.2 * u, -2.9 * t))
     });
     mesh
 }

@@ -125,7 +125,7 @@ pub fn tube(
         let first = (out - tangent * out.dot(tangent)).normalize();
         let second = first.cross(tangent);
         let direction = turn(v);
-        let offset = (first * direction.x - second * direction.y) * radius(u, v);
+        let offset = (first * direction.x + second * direction.y) * radius(u, v);
         (path(u) + offset, dvec2(u * length, -v * girth))
     });
 }
