@@ -77,6 +77,11 @@ fn sculpture(detail: Detail) -> Mesh {
 
 fn pedestal(detail: Detail) -> Mesh {
     let mut mesh = Mesh::new("pedestal", detail);
+    if !mesh.shows(0.09) {
+        let profile = [([0.24, 1.12], 0.0), ([0.0, 1.12], 0.0)];
+        shapes::turned(&mut mesh, M::ColumnMarble, 4, [0.3, 0.0], &profile);
+        return mesh;
+    }
     let low = dvec3(-0.34, 0.0, -0.34);
     shapes::block(&mut mesh, M::NeroMarble, low, dvec3(0.34, 0.14, 0.34), 0.02, false);
     let around = mesh.segments(28.0, 6);
@@ -105,9 +110,11 @@ fn twist(detail: Detail, material: M) -> Mesh {
     shapes::block(&mut mesh, M::NeroMarble, low, dvec3(0.6, 0.4, 0.6), 0.04, false);
     mesh.frame = DAffine3::from_translation(DVec3::Y * 0.4);
     let segments = [mesh.segments(48.0, 8), mesh.segments(70.0, 8)];
-    shapes::revolve(&mut mesh, material, segments, [false, true], |u, t| {
+    // The vertices turn with the square, so that they stay on its edges.
+    mesh.grid(material, segments, Facing::Natural, [false, true], |u, t| {
         let radius = 0.42 * (1.0 - t * t * t) * (1.0 - 0.25 * sin(PI * t));
-        dvec2(radius * shapes::squircle(u + 0.8 * t), 2.9 * t)
+        let at = turn(u + 0.8 * t) * radius * shapes::squircle(u);
+        (dvec3(at.x, 2.9 * t, -at.y), dvec2(3.2 * u, -2.9 * t))
     });
     mesh
 }
@@ -115,10 +122,15 @@ fn twist(detail: Detail, material: M) -> Mesh {
 /// The vessels in the niches: four shapes in four materials.
 fn vessel(detail: Detail, kind: usize) -> Mesh {
     let mut mesh = Mesh::new(["amphora", "bottle", "urn", "draped figure"][kind], detail);
+    let around = mesh.segments(36.0, 6);
+    if !mesh.shows(0.11) {
+        let profile = [([0.36, 1.1], 0.0), ([0.1, 1.9], 0.0)];
+        shapes::turned(&mut mesh, M::Terracotta, around, [0.24, 0.0], &profile);
+        return mesh;
+    }
     let low = dvec3(-0.36, 0.0, -0.36);
     shapes::block(&mut mesh, M::DaisMarble, low, dvec3(0.36, 0.3, 0.36), 0.02, false);
     mesh.frame = DAffine3::from_translation(DVec3::Y * 0.3);
-    let around = mesh.segments(36.0, 6);
     match kind {
         0 => {
             let profile =
@@ -175,6 +187,9 @@ fn banner(detail: Detail, cloth: M) -> Mesh {
         let wave = 0.07 * v * sin(9.0 * u + 3.0 * v) + 0.05 * v * sin(6.0 * v - 2.0 * u);
         (dvec3(0.12 + 1.2 * u, -v * (3.0 - tail), wave), dvec2(u, v))
     });
+    if !mesh.shows(0.09) {
+        return mesh;
+    }
     let around = mesh.segments(10.0, 4);
     shapes::rod(&mut mesh, M::AgedBronze, DVec3::ZERO, DVec3::X * 1.42, 0.028, around);
     shapes::sphere(&mut mesh, M::GiltOrnament, DVec3::X * 1.45, 0.06, around);
@@ -200,6 +215,11 @@ fn chain(mesh: &mut Mesh, top: f64, bottom: f64) {
 
 fn lantern(detail: Detail) -> Mesh {
     let mut mesh = Mesh::new("lantern", detail);
+    if !mesh.shows(0.07) {
+        let glass = [([0.2, 0.2], 0.0), ([0.0, 0.5], 0.0)];
+        shapes::turned(&mut mesh, M::LanternGlass, 4, [0.14, -0.3], &glass);
+        return mesh;
+    }
     chain(&mut mesh, 1.75, 0.62);
     let around = mesh.segments(24.0, 6);
     let glass = [([0.2, -0.1], 0.1), ([0.2, 0.2], 0.08), ([0.14, 0.34], 0.0)];
@@ -208,6 +228,9 @@ fn lantern(detail: Detail) -> Mesh {
     shapes::turned(&mut mesh, M::AgedBronze, around, [0.14, 0.32], &cap);
     let foot = [([0.05, -0.4], -0.2), ([0.14, -0.34], 0.1), ([0.12, -0.29], 0.3)];
     shapes::turned(&mut mesh, M::AgedBronze, around, [0.0, -0.46], &foot);
+    if !mesh.shows(0.2) {
+        return mesh;
+    }
     let sides = mesh.segments(6.0, 3);
     for k in 0..6u32 {
         let at = turn(f64::from(k) / 6.0);
@@ -228,7 +251,8 @@ fn chandelier(detail: Detail) -> Mesh {
     }
     mesh.frame = DAffine3::IDENTITY;
     let around = mesh.segments(16.0, 5);
-    for k in 0..12u32 {
+    let candles = if mesh.shows(0.16) { 12 } else { 0 };
+    for k in 0..candles {
         let at = turn(f64::from(k) / 12.0) * 1.5;
         mesh.frame = DAffine3::from_translation(dvec3(at.x, 0.0, at.y));
         let candle = [([0.1, 0.09], 0.1), ([0.035, 0.1], 0.0), ([0.07, 0.2], 0.3), ([0.0, 0.38], 0.1)];
@@ -236,6 +260,9 @@ fn chandelier(detail: Detail) -> Mesh {
         shapes::turned(&mut mesh, M::LanternGlass, around, [0.035, 0.1], &candle[2..]);
     }
     mesh.frame = DAffine3::IDENTITY;
+    if !mesh.shows(0.06) {
+        return mesh;
+    }
     for k in 0..4u32 {
         let at = turn(f64::from(k) / 4.0);
         let out = dvec3(at.x, 0.0, at.y);
@@ -255,8 +282,11 @@ fn brazier(detail: Detail) -> Mesh {
     let along = mesh.segments(14.0, 3);
     shapes::revolve(&mut mesh, M::Embers, [around, along], [false, true], |u, t| {
         let lumps = 0.06 * noise(u, 0.9 * t, 9, 77);
-        dvec2(0.38 * (1.0 - t), 1.03 + (0.16 + lumps) * t * (2.0 - t))
+        dvec2(0.33 * (1.0 - t), 1.03 + (0.16 + lumps) * t * (2.0 - t))
     });
+    if !mesh.shows(0.06) {
+        return mesh;
+    }
     let sides = mesh.segments(8.0, 3);
     for k in 0..3u32 {
         let at = turn(f64::from(k) / 3.0);
@@ -272,7 +302,8 @@ fn brazier(detail: Detail) -> Mesh {
 fn railing(detail: Detail) -> Mesh {
     let mut mesh = Mesh::new("railing", detail);
     let around = mesh.segments(14.0, 4);
-    for k in 0..9u32 {
+    let balusters = if mesh.shows(0.13) { 9 } else { 0 };
+    for k in 0..balusters {
         mesh.frame = DAffine3::from_translation(dvec3(0.15 + 0.3 * f64::from(k), 0.08, 0.0));
         let profile = [([0.075, 0.3], 0.25), ([0.03, 0.55], -0.1), ([0.055, 0.74], 0.0)];
         shapes::turned(&mut mesh, M::ColumnMarble, around, [0.05, 0.0], &profile);
@@ -314,7 +345,8 @@ fn bench(detail: Detail) -> Mesh {
     let mut mesh = Mesh::new("bench", detail);
     let seat = (dvec3(-1.1, 0.42, -0.22), dvec3(1.1, 0.5, 0.22));
     shapes::block(&mut mesh, M::Oak, seat.0, seat.1, 0.015, true);
-    for x in [-0.95, 0.83] {
+    let legs: &[f64] = if mesh.shows(0.08) { &[-0.95, 0.83] } else { &[] };
+    for &x in legs {
         let (low, high) = (dvec3(x, 0.0, -0.18), dvec3(x + 0.12, 0.43, 0.18));
         shapes::block(&mut mesh, M::Oak, low, high, 0.01, false);
     }

@@ -6,12 +6,12 @@ use super::structure::{AISLE_HEIGHT, BAYS, HALF_LENGTH, NAVE_HALF, OUTER_HALF, b
 use glam::{DVec3, dvec3};
 
 /// Illuminance by the sun, lux: a patch of sunlight on a pale floor comes out near white.
-const SUN_LUX: f64 = 9.0;
+const SUN_LUX: f64 = 16.0;
 /// Candela of all lamps together; shared among them, so that the hall stays as bright whatever
 /// their number. Turned up, the hall gets brighter in proportion.
-const LAMPS_CANDELA: f64 = 900.0;
+const LAMPS_CANDELA: f64 = 2200.0;
 /// No lamp is brighter, where there are few.
-const BRIGHTEST_CANDELA: f64 = 60.0;
+const BRIGHTEST_CANDELA: f64 = 90.0;
 
 /// One light.
 pub struct Lamp {

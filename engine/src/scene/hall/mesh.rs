@@ -59,8 +59,15 @@ pub struct Detail {
 }
 
 impl Detail {
-    /// Segments: `at_one` at level 1, at least `least`.
+    /// The level is at least this: what only finer scenes hold asks here, each thing with a level
+    /// of its own, so that the triangles grow in small steps.
+    pub fn shows(self, level: f64) -> bool {
+        self.level >= level
+    }
+
+    /// Segments: `at_one` at level 1, at least `least`; of the smallest scenes, two thirds of that.
     pub fn segments(self, at_one: f64, least: usize) -> usize {
+        let least = if self.shows(0.16) { least } else { (2 * least).div_ceil(3).max(least.min(3)) };
         ((at_one * self.level).round() as usize).max(least)
     }
 }
@@ -74,6 +81,11 @@ impl Mesh {
     /// How finely surfaces are divided.
     pub fn detail(&self) -> Detail {
         self.detail
+    }
+
+    /// Shorthand for [`Detail::shows`].
+    pub fn shows(&self, level: f64) -> bool {
+        self.detail.shows(level)
     }
 
     /// Shorthand for [`Detail::segments`].

@@ -85,7 +85,7 @@ pub fn turned(mesh: &mut Mesh, material: Material, around: usize, start: [f64; 2
         let to = DVec2::from_array(to);
         let chord = to - from;
         let outwards = dvec2(chord.y, -chord.x) * bulge * 4.0;
-        let along = if bulge == 0.0 { 1 } else { mesh.segments(5.0, 2) };
+        let along = if bulge == 0.0 { 1 } else { mesh.segments(5.0, 1) };
         let poles = [from.x == 0.0, to.x == 0.0];
         revolve(mesh, material, [around, along], poles, |_, t| from + chord * t + outwards * (t * (1.0 - t)));
         from = to;
@@ -125,7 +125,7 @@ pub fn tube(
         let first = (out - tangent * out.dot(tangent)).normalize();
         let second = first.cross(tangent);
         let direction = turn(v);
-        let offset = (first * direction.x - second * direction.y) * radius(u, v);
+        let offset = (first * direction.x + second * direction.y) * radius(u, v);
         (path(u) + offset, dvec2(u * length, -v * girth))
     });
 }
@@ -164,7 +164,7 @@ pub fn moulding(
         let to = DVec2::from_array(to);
         let chord = to - from;
         let bow = dvec2(chord.y, -chord.x) * bulge * 4.0;
-        let across = if bulge == 0.0 { 1 } else { mesh.segments(5.0, 2) };
+        let across = if bulge == 0.0 { 1 } else { mesh.segments(5.0, 1) };
         let segments = [mesh.segments(length * 0.8, 1), across];
         let facing = Facing::Along(out * chord.y - DVec3::Y * chord.x);
         mesh.grid(material, segments, facing, [false; 2], |u, t| {

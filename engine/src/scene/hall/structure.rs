@@ -33,8 +33,9 @@ pub const AISLE_HEIGHT: f64 = 8.2;
 pub const VAULT_SPRING: f64 = 11.0;
 /// Distance of the columns' axes from the middle.
 pub const COLUMN_X: f64 = NAVE_HALF + 0.5 * WALL;
-/// Below this level floor and vault stay flat: their relief alone would take all triangles.
-const RELIEF_LEVEL: f64 = 0.5;
+/// Below these levels the vault, the nave's and the aisles' floor stay flat: their relief alone would
+/// take all triangles.
+const RELIEF_LEVELS: [f64; 3] = [0.4, 0.52, 0.66];
 
 /// Middle of the bay with this number.
 pub fn bay_z(bay: u32) -> f64 {
@@ -203,11 +204,19 @@ fn nave_wall(detail: Detail) -> Mesh {
     let opening = Opening { half: 0.95, sill: 8.95, spring: 9.6 };
     let heights = [8.4, VAULT_SPRING];
     Wall { width: BAY, heights, opening, depth, front, inside: M::Plaster }.build(&mut mesh);
-    archivolt(&mut mesh, M::ColumnMarble, SPRING, ARCH_HALF + 0.14, 0.13);
-    archivolt(&mut mesh, M::Plaster, 9.6, 0.95 + 0.08, 0.07);
-    for y in [8.3, 10.7] {
+    if mesh.shows(0.06) {
+        archivolt(&mut mesh, M::ColumnMarble, SPRING, ARCH_HALF + 0.14, 0.13);
+    }
+    if mesh.shows(0.22) {
+        archivolt(&mut mesh, M::Plaster, 9.6, 0.95 + 0.08, 0.07);
+    }
+    let cornices: &[f64] = if mesh.shows(0.1) { &[8.3, 10.7] } else { &[8.3] };
+    for &y in cornices {
         let from = dvec3(0.0, y, 0.5 * BAY);
         shapes::moulding(&mut mesh, M::Plaster, from, DVec3::NEG_Z * BAY, DVec3::X, [0.0, 0.0], &CORNICE);
+    }
+    if !mesh.shows(0.14) {
+        return mesh;
     }
     // The same arch from the aisle.
     mesh.frame = DAffine3::from_rotation_translation(yaw(PI), dvec3(-WALL, 0.0, 0.0));
@@ -235,13 +244,15 @@ fn aisle(detail: Detail, niche: bool) -> Mesh {
         Wall { width: BAY, heights, opening, depth: Depth::Through(0.8), front, inside: M::Limestone }
     };
     wall.build(&mut mesh);
-    archivolt(&mut mesh, M::ColumnMarble, wall.opening.spring, wall.opening.half + 0.09, 0.08);
     let whole = dvec3(0.0, 0.0, 0.5 * BAY);
     let back = DVec3::NEG_Z * BAY;
-    let skirting = [([0.12, 0.28], 0.0), ([0.0, 0.42], 0.2)];
-    shapes::moulding(&mut mesh, M::NeroMarble, whole, back, DVec3::X, [0.12, 0.0], &skirting);
-    let top = whole + DVec3::Y * (AISLE_HEIGHT - 0.4);
-    shapes::moulding(&mut mesh, M::Oak, top, back, DVec3::X, [0.0, 0.0], &CORNICE);
+    if mesh.shows(0.18) {
+        archivolt(&mut mesh, M::ColumnMarble, wall.opening.spring, wall.opening.half + 0.09, 0.08);
+        let skirting = [([0.12, 0.28], 0.0), ([0.0, 0.42], 0.2)];
+        shapes::moulding(&mut mesh, M::NeroMarble, whole, back, DVec3::X, [0.12, 0.0], &skirting);
+        let top = whole + DVec3::Y * (AISLE_HEIGHT - 0.4);
+        shapes::moulding(&mut mesh, M::Oak, top, back, DVec3::X, [0.0, 0.0], &CORNICE);
+    }
     // Ceiling, beams and roof.
     let span = OUTER_HALF - NAVE_HALF - WALL;
     let corner = dvec3(0.0, AISLE_HEIGHT, -0.5 * BAY);
@@ -251,7 +262,9 @@ fn aisle(detail: Detail, niche: bool) -> Mesh {
         glam::DQuat::from_xyzw(0.0, 0.0, 1.0, 0.0),
         dvec3(span, AISLE_HEIGHT, 0.0),
     );
-    for (z, half, height) in [(-2.5, 0.18, 0.4), (-1.25, 0.09, 0.2), (0.0, 0.09, 0.2), (1.25, 0.09, 0.2)] {
+    let beams = if mesh.shows(0.28) { 4 } else { usize::from(mesh.shows(0.08)) };
+    let all = [(-2.5, 0.18, 0.4), (-1.25, 0.09, 0.2), (0.0, 0.09, 0.2), (1.25, 0.09, 0.2)];
+    for &(z, half, height) in &all[..beams] {
         let low = dvec3(0.0, -0.02, z - half);
         shapes::block(&mut mesh, M::Oak, low, dvec3(span, height, z + half), 0.03, false);
     }
@@ -322,7 +335,7 @@ fn end_wall(detail: Detail, gate: bool) -> Mesh {
         shapes::rectangle(&mut mesh, M::LatticeScreen, low, wide, DVec3::Y * 4.8, 0.5);
     }
     mesh.frame = DAffine3::IDENTITY;
-    if gate {
+    if gate && mesh.shows(0.1) {
         for z in [-1.6, 0.02] {
             let low = dvec3(-0.6, 0.0, z);
             shapes::block(&mut mesh, M::Oak, low, dvec3(-0.45, 4.85, z + 1.58), 0.02, false);
@@ -335,8 +348,12 @@ fn end_wall(detail: Detail, gate: bool) -> Mesh {
 fn column(detail: Detail) -> Mesh {
     let mut mesh = Mesh::new("column", detail);
     let around = mesh.segments(32.0, 7);
-    let low = dvec3(-0.66, 0.0, -0.66);
-    shapes::block(&mut mesh, M::NeroMarble, low, dvec3(0.66, 0.3, 0.66), 0.03, false);
+    if mesh.shows(0.05) {
+        let low = dvec3(-0.66, 0.0, -0.66);
+        shapes::block(&mut mesh, M::NeroMarble, low, dvec3(0.66, 0.3, 0.66), 0.03, false);
+    } else {
+        shapes::turned(&mut mesh, M::NeroMarble, 4, [0.7, 0.0], &[([0.5, 0.7], 0.0)]);
+    }
     let base = [
         ([0.6, 0.48], 0.5),
         ([0.54, 0.5], 0.0),
@@ -344,12 +361,14 @@ fn column(detail: Detail) -> Mesh {
         ([0.54, 0.6], 0.0),
         ([0.5, 0.7], 0.5),
     ];
-    shapes::turned(&mut mesh, M::ColumnMarble, around, [0.6, 0.3], &base);
+    if mesh.shows(0.05) {
+        shapes::turned(&mut mesh, M::ColumnMarble, around, [0.6, 0.3], &base);
+    }
     // Flutes need four segments each; a coarser shaft is smooth.
     let fluted = mesh.segments(3.6, 0) >= 3;
     let shaft = if fluted { 20 * mesh.segments(3.6, 3) } else { around };
     let flutes = if fluted { 0.026 } else { 0.0 };
-    let along = mesh.segments(12.0, 2);
+    let along = mesh.segments(12.0, 1);
     shapes::revolve(&mut mesh, M::ColumnMarble, [shaft, along], [false; 2], |u, t| {
         // Entasis: the shaft swells a little before it tapers.
         let radius = 0.465 - 0.075 * t + 0.05 * t * (1.0 - t);
@@ -358,12 +377,14 @@ fn column(detail: Detail) -> Mesh {
         dvec2(radius - flutes * ends * hollow, 0.7 + 4.35 * t)
     });
     let necking = [([0.43, 5.11], 0.5), ([0.4, 5.13], 0.0), ([0.6, 5.74], -0.14)];
-    shapes::turned(&mut mesh, M::ColumnMarble, around, [0.39, 5.05], &necking);
+    let necking = if mesh.shows(0.05) { &necking[..] } else { &necking[2..] };
+    shapes::turned(&mut mesh, M::ColumnMarble, around, [0.39, 5.05], necking);
     let low = dvec3(-0.64, 5.74, -0.64);
     mesh.frame = DAffine3::IDENTITY;
     shapes::block(&mut mesh, M::ColumnMarble, low, dvec3(0.64, SPRING + 0.001, 0.64), 0.04, true);
     let leaf = [mesh.segments(4.0, 1), mesh.segments(7.0, 2)];
-    for row in 0..2u32 {
+    let rows = if mesh.shows(0.24) { 2 } else { u32::from(mesh.shows(0.12)) };
+    for row in 0..rows {
         for k in 0..8u32 {
             let middle = (f64::from(k) + 0.5 * f64::from(row)) / 8.0;
             let height = 0.3 + 0.24 * f64::from(row);
@@ -391,7 +412,7 @@ fn vault(detail: Detail) -> Mesh {
     };
     let inwards = Facing::Towards(dvec3(0.0, VAULT_SPRING + 0.2, 0.0));
     let around = mesh.segments(20.0, 8);
-    if detail.level < RELIEF_LEVEL {
+    if !detail.shows(RELIEF_LEVELS[0]) {
         mesh.grid(M::Plaster, [around, 2], inwards, [false; 2], |u, v| {
             let at = dvec2(PI * radius * u, BAY * v);
             (place(at, 0.0), dvec2(at.x, -at.y))
@@ -404,6 +425,9 @@ fn vault(detail: Detail) -> Mesh {
             let shape = Inset { margin: 0.24, slope: 0.16, heights: [0.0, -0.24], segments };
             let materials = [M::Plaster, M::Plaster];
             shapes::inset(&mut mesh, materials, [low, low + cell], shape, inwards, place);
+            if !detail.shows(0.6) {
+                continue;
+            }
             let middle = low + 0.5 * cell;
             let up = (place(middle, 0.0) - place(middle, -1.0)).normalize();
             let side = DVec3::Z.cross(up);
@@ -424,7 +448,7 @@ fn vault(detail: Detail) -> Mesh {
 
 fn rib(detail: Detail) -> Mesh {
     let mut mesh = Mesh::new("vault rib", detail);
-    let segments = [mesh.segments(32.0, 8), mesh.segments(8.0, 4)];
+    let segments = [mesh.segments(32.0, 8), mesh.segments(8.0, 3)];
     let path = |u: f64| {
         let at = turn(0.5 - 0.5 * u) * NAVE_HALF;
         dvec3(at.x, VAULT_SPRING + at.y, 0.0)
@@ -435,8 +459,8 @@ fn rib(detail: Detail) -> Mesh {
 
 /// Tiles with chamfered edges, each a little tilted; chequered by two materials.
 fn tiles(mesh: &mut Mesh, materials: [M; 2], low: DVec2, [columns, rows]: [u32; 2], random: &mut Random) {
-    let detail = mesh.detail();
-    if detail.level < RELIEF_LEVEL {
+    let relief = RELIEF_LEVELS[if materials[0] == materials[1] { 2 } else { 1 }];
+    if !mesh.shows(relief) {
         let size = dvec2(f64::from(columns), f64::from(rows));
         let from = dvec3(low.x, 0.0, low.y + size.y);
         let (wide, long) = (DVec3::X * size.x, DVec3::NEG_Z * size.y);

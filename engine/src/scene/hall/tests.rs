@@ -53,6 +53,32 @@ fn hold_to(triangles: u32) {
     assert!((drawn - wanted).abs() <= 0.02 * wanted, "{drawn} of {wanted}");
 }
 
+/// Six times the volume that a part's triangles enclose; positive where they face outwards.
+fn volume(part: &mesh::Part) -> f64 {
+    let corner = |index: u32| Vec3::from(part.positions[index as usize]).as_dvec3();
+    part.indices.chunks_exact(3).map(|c| corner(c[0]).dot(corner(c[1]).cross(corner(c[2])))).sum()
+}
+
+#[test]
+fn hall_closed_bodies_face_outwards() {
+    let mut body = mesh::Mesh::new("body", mesh::Detail { level: 1.0, counting: false });
+    let from = |body: &mut mesh::Mesh, build: &dyn Fn(&mut mesh::Mesh)| {
+        body.parts.clear();
+        build(body);
+        volume(&body.parts[0])
+    };
+    use glam::dvec3;
+    use materials::Material::Chrome;
+    let unit = [dvec3(-0.5, -0.5, -0.5), dvec3(0.5, 0.5, 0.5)];
+    let cube = from(&mut body, &|m| shapes::block(m, Chrome, unit[0], unit[1], 0.001, true));
+    assert!((cube / 6.0 - 1.0).abs() < 0.01, "{cube}");
+    let ball = from(&mut body, &|m| shapes::sphere(m, Chrome, dvec3(3.0, 1.0, 2.0), 1.0, 64));
+    assert!((ball / 6.0 - 4.18879).abs() < 0.05, "{ball}");
+    let axes = [dvec3(1.0, 0.0, 0.0), dvec3(0.0, 1.0, 0.0)];
+    let torus = from(&mut body, &|m| shapes::ring(m, Chrome, [96, 48], axes, 0.25));
+    assert!((torus / 6.0 - 1.2337).abs() < 0.02, "{torus}");
+}
+
 #[test]
 fn hall_meets_small_triangle_counts() {
     for triangles in [10_000, 23_456, 50_000, 70_000, 100_000] {

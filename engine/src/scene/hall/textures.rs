@@ -117,7 +117,13 @@ fn pixels(size: u32, content: &Content, seed: u64) -> (Vec<u8>, ExtendedColorTyp
     let byte = |value: f64| (value.clamp(0.0, 1.0) * 255.0).round() as u8;
     let mut pixels = Vec::with_capacity(4 * (size * size) as usize);
     let at = |k: u32| (f64::from(k) + 0.5) / f64::from(size);
-    let texel = 1.0 / f64::from(size);
+    let heights: Vec<f64> = match content {
+        Content::Height(height) => {
+            (0..size * size).map(|k| height(at(k % size), at(k / size), seed)).collect()
+        }
+        _ => Vec::new(),
+    };
+    let height_at = |x: u32, y: u32| heights[(y % size * size + x % size) as usize];
     for y in 0..size {
         for x in 0..size {
             let (u, v) = (at(x), at(y));
@@ -128,10 +134,10 @@ fn pixels(size: u32, content: &Content, seed: u64) -> (Vec<u8>, ExtendedColorTyp
                     pixels.extend(color.to_array().map(byte));
                     pixels.push(byte(alpha));
                 }
-                Content::Height(height) => {
+                Content::Height(_) => {
                     let scale = 0.5 * f64::from(size) / 512.0;
-                    let right = height(u + texel, v, seed) - height(u - texel, v, seed);
-                    let down = height(u, v + texel, seed) - height(u, v - texel, seed);
+                    let right = height_at(x + 1, y) - height_at(x + size - 1, y);
+                    let down = height_at(x, y + 1) - height_at(x, y + size - 1);
                     // The map's y points up, the rows down.
                     let normal = dvec3(-right * scale, down * scale, 1.0).normalize();
                     pixels.extend((normal * 0.5 + 0.5).to_array().map(byte));
