@@ -9,7 +9,10 @@ pub use crate::gpu::context::{Context, ContextParts};
 /// has them. A host chains this into its own `VkDeviceCreateInfo`.
 #[must_use]
 pub fn required_features() -> vk::PhysicalDeviceVulkan13Features<'static> {
-    vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true)
+    vk::PhysicalDeviceVulkan13Features::default()
+        .dynamic_rendering(true)
+        .synchronization2(true)
+        .shader_demote_to_helper_invocation(true)
 }
 
 /// What a device lacks, one clause each; empty for a usable device.
@@ -30,9 +33,12 @@ pub fn missing_requirements(instance: &ash::Instance, device: vk::PhysicalDevice
     // SAFETY: as above; the chain holds only structures of Vulkan 1.3.
     unsafe { instance.get_physical_device_features2(device, &mut features) };
     let mut missing = Vec::new();
-    for (present, name) in
-        [(vulkan13.dynamic_rendering, "dynamicRendering"), (vulkan13.synchronization2, "synchronization2")]
-    {
+    let needed = [
+        (vulkan13.dynamic_rendering, "dynamicRendering"),
+        (vulkan13.synchronization2, "synchronization2"),
+        (vulkan13.shader_demote_to_helper_invocation, "shaderDemoteToHelperInvocation"),
+    ];
+    for (present, name) in needed {
         if present == vk::FALSE {
             missing.push(name.to_owned());
         }

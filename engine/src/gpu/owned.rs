@@ -213,9 +213,8 @@ fn make_messenger(
         .message_severity(
             vk::DebugUtilsMessageSeverityFlagsEXT::ERROR | vk::DebugUtilsMessageSeverityFlagsEXT::WARNING,
         )
-        .message_type(
-            vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
-        )
+        // Not PERFORMANCE: those advise against GENERAL layout, in which images here stay on purpose.
+        .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION)
         .pfn_user_callback(Some(on_message))
         .user_data(std::ptr::from_ref(messages).cast_mut().cast());
     // SAFETY: the counter is boxed and outlives the messenger.
@@ -346,6 +345,7 @@ fn report(instance: &ash::Instance, device: vk::PhysicalDevice) -> DeviceReport 
         features: vec![
             required("dynamicRendering", "every raster pass"),
             required("synchronization2", "barriers and timestamps"),
+            required("shaderDemoteToHelperInvocation", "alpha masks"),
         ],
         missing,
         max_image_px: properties.limits.max_image_dimension2_d,

@@ -7,6 +7,7 @@
 pub mod environment;
 pub mod hall;
 pub mod load;
+pub mod sdf;
 
 use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
 
