@@ -199,7 +199,8 @@ ivec2 sdf_cell(vec2 at)
 
 // Follows a ray through the grid up to `end`. Returns the distance of the first solid, its cell in
 // `hit`, or SDF_INFINITE. `clearance` is the least share of the sun that passes what the ray passes by.
-float sdf_trace(vec3 origin, vec3 direction, float end, float pixel_angle_rad, out ivec2 hit, out float clearance)
+float sdf_trace(vec3 origin, vec3 direction, float end, float pixel_angle_rad, out ivec2 hit,
+                out float clearance)
 {
     hit = ivec2(0);
     clearance = 1.0;
@@ -344,14 +345,17 @@ vec3 sdf_shade(vec3 normal, vec3 to_eye, vec3 color, float metallic, float rough
     float away2 = away * away;
     vec3 fresnel = facing + (1.0 - facing) * (away2 * away2 * away);
     vec3 diffuse = color * (1.0 - metallic);
-    vec3 direct = SDF_SUN_RADIANCE * (n_sun * sun) * (diffuse * (1.0 - fresnel) + fresnel * min(lobe * hidden * 3.14159265, 24.0));
+    // Lambert's 1/pi is part of the sun's radiance; the lobe is held below what half floats bear.
+    float gloss = min(lobe * hidden * 3.14159265, 24.0);
+    vec3 direct = SDF_SUN_RADIANCE * (n_sun * sun) * (diffuse * (1.0 - fresnel) + fresnel * gloss);
     float grazing = 1.0 - n_eye;
     float grazing2 = grazing * grazing;
     vec3 mirror = facing + (max(vec3(1.0 - roughness), facing) - facing) * (grazing2 * grazing2 * grazing);
     vec3 mirrored = reflect(-to_eye, normal);
     // What a mirror sees below the horizon is the sunlit floor, blurred by the roughness.
     vec3 above = mix(vec3(0.5, 0.6, 0.74), vec3(0.09, 0.2, 0.46), sqrt(clamp(mirrored.y, 0.0, 1.0)));
-    vec3 seen = mix(vec3(0.2, 0.195, 0.19), above, smoothstep(-0.05 - 0.4 * roughness, 0.05 + 0.4 * roughness, mirrored.y));
+    float blur = 0.05 + 0.4 * roughness;
+    vec3 seen = mix(vec3(0.2, 0.195, 0.19), above, smoothstep(-blur, blur, mirrored.y));
     vec3 ambient = mix(vec3(0.1, 0.095, 0.09), vec3(0.24, 0.3, 0.4), 0.5 + 0.5 * normal.y);
     return direct + open * (diffuse * ambient + mirror * seen);
 }
