@@ -9,8 +9,13 @@ use crate::stats::{EffectNote, Effects};
 /// What is built.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EffectPlan {
-    /// For each light, its first shadow view, or `None`.
-    pub shadow_first_view: Vec<Option<u32>>,
+    /// The lights in the order in which the shaders go through them: directional ones, others that
+    /// cast shadows, the rest; each with its first shadow view, or `None`.
+    pub lights: Vec<(usize, Option<u32>)>,
+    /// Directional lights, which come first in `lights`.
+    pub directional_count: u32,
+    /// Lights below it are directional or cast shadows.
+    pub shadowed_end: u32,
     /// Shadow views to draw.
     pub shadow_views: u32,
     /// The shadow pass runs.
@@ -23,7 +28,7 @@ pub struct EffectPlan {
     pub post_filter: bool,
     /// Values of the shading kernel's specialization constants.
     pub shading_spec: Vec<(&'static str, u32)>,
-    /// Values of the material's specialization constants, without `HAS_ALPHA_MASK`.
+    /// Values of the material's specialization constants, without those of single maps.
     pub material_spec: Vec<(&'static str, u32)>,
     /// Alpha-masked surfaces have a pipeline of their own.
     pub alpha_mask: bool,
@@ -76,13 +81,7 @@ impl EffectPlan {
     pub fn of_scene(features: &SceneFeatures, lights: &[Light], settings: &RenderSettings) -> Self {
         let mut d = Decisions { force: settings.force_effects, effects: Effects::default() };
         let mut plan = Self::default();
-        for (index, light) in lights.iter().enumerate() {
-            let views = views_of(light);
-            let wanted =
-                index < settings.shadowed_lights as usize && plan.shadow_views + views <= MAX_SHADOW_VIEWS;
-            plan.shadow_first_view.push(wanted.then_some(plan.shadow_views));
-            plan.shadow_views += if wanted { views } else { 0 };
-        }
+        plan.order_lights(lights, settings);
         d.setting("gbuffer", true, "a triangle scene is shaded from its G-buffer", "");
         let casters = features.opaque && plan.shadow_views > 0;
         let shadow_why = if features.lights() == 0 {
@@ -92,11 +91,13 @@ impl EffectPlan {
         } else {
             "nothing casts a shadow"
         };
-        let lit = plan.shadow_first_view.iter().flatten().count() as u32;
+        let lit = plan.lights.iter().filter(|(_, view)| view.is_some()).count() as u32;
         plan.shadows = d.decide("shadows", casters, count(lit, "shadowed light"), shadow_why);
-        if plan.shadows && plan.shadow_views == 0 {
+        if !casters {
+            plan.lights.iter_mut().for_each(|(_, view)| *view = None);
+            plan.shadowed_end = plan.directional_count;
             // Forced: the pass draws one view, which no light reads.
-            plan.shadow_views = 1;
+            plan.shadow_views = u32::from(plan.shadows);
         }
         let f = features;
         let lights = [
@@ -120,27 +121,12 @@ impl EffectPlan {
         let on = d.decide("emissive", f.emissive, yes("emissive materials"), "no material emits light");
         plan.shading_spec.push(("HAS_EMISSIVE", u32::from(on)));
         plan.material_spec.push(("HAS_MATERIAL_EMISSIVE", u32::from(on)));
-        let materials = [
-            ("normal maps", "HAS_NORMAL_MAPS", f.normal_maps, "normal maps", "no material has a normal map"),
-            (
-                "occlusion maps",
-                "HAS_OCCLUSION",
-                f.occlusion,
-                "occlusion maps",
-                "no material has an occlusion map",
-            ),
-            (
-                "vertex colours",
-                "HAS_VERTEX_COLORS",
-                f.vertex_colors,
-                "vertex colours",
-                "no mesh has vertex colours",
-            ),
-        ];
-        for (name, constant, present, what, no) in materials {
-            let on = d.decide(name, present, yes(what), no);
-            plan.material_spec.push((constant, u32::from(on)));
-        }
+        // Maps are specialised material by material; here they are only reported.
+        d.decide("normal maps", f.normal_maps, yes("normal maps"), "no material has a normal map");
+        d.decide("occlusion maps", f.occlusion, yes("occlusion maps"), "no material has an occlusion map");
+        let on =
+            d.decide("vertex colours", f.vertex_colors, yes("vertex colours"), "no mesh has vertex colours");
+        plan.material_spec.push(("HAS_VERTEX_COLORS", u32::from(on)));
         plan.alpha_mask = d.decide(
             "alpha mask",
             f.alpha_mask,
@@ -165,6 +151,27 @@ impl EffectPlan {
         plan.after_shading(&mut d, settings);
         plan.effects = d.effects;
         plan
+    }
+
+    /// Gives the first lights shadow views, and puts the lights into the shaders' order.
+    fn order_lights(&mut self, lights: &[Light], settings: &RenderSettings) {
+        for (index, light) in lights.iter().enumerate() {
+            let views = views_of(light);
+            let wanted = self.lights.len() < settings.shadowed_lights as usize
+                && self.shadow_views + views <= MAX_SHADOW_VIEWS;
+            self.lights.push((index, wanted.then_some(self.shadow_views)));
+            self.shadow_views += if wanted { views } else { 0 };
+        }
+        let directional = |index: usize| matches!(lights[index].kind, LightKind::Directional);
+        let rank = |&(index, view): &(usize, Option<u32>)| match (directional(index), view) {
+            (true, _) => 0,
+            (false, Some(_)) => 1,
+            (false, None) => 2,
+        };
+        // Stable: within a rank the brightest stay first.
+        self.lights.sort_by_key(rank);
+        let below = |limit: u8| self.lights.iter().filter(|light| rank(light) < limit).count() as u32;
+        (self.directional_count, self.shadowed_end) = (below(1), below(2));
     }
 
     fn after_shading(&mut self, d: &mut Decisions, settings: &RenderSettings) {

@@ -21,7 +21,7 @@ use crate::plan::EffectPlan;
 use crate::settings::{Method, RenderSettings};
 use crate::stats::{EffectNote, Effects, FrameStats, LpStats, PassTime};
 use ash::vk;
-use glam::{DMat4, DVec2};
+use glam::{DMat4, DVec2, DVec3};
 use macula_trackers::GazeEstimate;
 use std::sync::Arc;
 
@@ -126,6 +126,7 @@ impl Renderer {
             keeper: GazeKeeper::new(settings.display.center_px()),
             args: FrameArgs {
                 slot: 0,
+                eye: DVec3::ZERO,
                 target: NO_TARGET,
                 opaque: Vec::with_capacity(instances),
                 blended: Vec::with_capacity(instances),
@@ -154,6 +155,7 @@ impl Renderer {
         self.args.slot = slot;
         self.args.target = *target;
         let camera = CameraFrame::new(&self.settings.display, &input.world_from_view);
+        self.args.eye = camera.eye;
         self.write_fovea(slot, gaze_px);
         match &self.content {
             Content::Scene(scene) => {
@@ -173,11 +175,7 @@ impl Renderer {
             Content::Scene(scene) => Some(&scene.environment),
             Content::Sdf => None,
         };
-        let lights = match &self.content {
-            Content::Scene(scene) => scene.lights.len(),
-            Content::Sdf => 0,
-        };
-        let frame = camera.params(&self.settings, gaze_px, self.frame_index, lights, environment);
+        let frame = camera.params(&self.settings, gaze_px, &self.effects, environment);
         self.buffers.frame[slot].write(0, &[frame]);
         self.buffers.findings[slot].write(0, &[0u32; 4]);
         self.slots[slot] = SlotState { gaze_held: !valid, blended: self.args.blended.len(), recorded: true };

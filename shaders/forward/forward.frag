@@ -11,6 +11,7 @@
 #include "shared/lighting.glsl"
 #include "shared/store.glsl"
 #include "shared/material.glsl"
+#include "shared/surface.glsl"
 layout(location = 0) out vec4 out_color;
 
 void main() {
@@ -20,9 +21,11 @@ void main() {
     vec3 radiance = surface.emissive;
     if (!surface.unlit) {
         Shading s = shading_at(surface, in_position);
-        radiance = other_light(s, surface);
-        for (uint i = 0u; i < frame.light_count; ++i) {
-            radiance += one_light(s, in_position, i);
+        radiance = other_light(s, surface) + first_lights(s, in_position);
+        for (uint i = frame.shadowed_end; i < frame.light_count; ++i) {
+            vec3 to_light;
+            float distance_m;
+            radiance += positional_light(s, in_position, i, to_light, distance_m);
         }
     }
     out_color = vec4(storable(radiance) * alpha, alpha);

@@ -4,6 +4,7 @@
 #include "shared/gbuffer.glsl"
 #include "shared/scene.glsl"
 #include "shared/material.glsl"
+#include "shared/surface.glsl"
 layout(location = 0) out uvec4 out_surface;
 
 void main() {

@@ -1,7 +1,6 @@
 // Alpha-masked casters: drops what the mask drops.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "shared/gbuffer.glsl"
 #include "shared/scene.glsl"
 #include "shared/material.glsl"
 

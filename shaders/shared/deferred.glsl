@@ -11,10 +11,12 @@ layout(set = 0, binding = 8) uniform texture2D depth_buffer;
 #include "shared/lighting.glsl"
 #include "shared/store.glsl"
 
-// Lights that may reach any sample of the workgroup, a bit each, for up to this many at a time.
+// Lights without shadows that may reach any sample of the workgroup, for up to this many at a time.
 const uint LIGHTS_AT_A_TIME = 1024u;
 const uint LIGHT_WORDS = LIGHTS_AT_A_TIME / 32u;
-shared uint reachable[LIGHT_WORDS];
+shared uint reachable[LIGHT_WORDS];     // a bit a light
+shared uint light_list[LIGHTS_AT_A_TIME]; // the same as a list, in order
+shared uint light_list_length;
 shared ivec3 group_low;
 shared ivec3 group_high;
 
@@ -49,10 +51,10 @@ void find_group_box(bool lit, vec3 position) {
     barrier();
 }
 
-// Marks the lights from `first` on whose range touches the group's box. A light that is left out adds
+// Lists the lights from `first` on whose range touches the group's box. A light that is left out adds
 // exactly zero to every sample, and the others are summed in their order: the picture does not depend
 // on which samples share a workgroup.
-void mark_reachable(uint first) {
+void list_reachable(uint first) {
     barrier();
     for (uint word = gl_LocalInvocationIndex; word < LIGHT_WORDS; word += GROUP_SIZE) {
         reachable[word] = 0u;
@@ -66,9 +68,23 @@ void mark_reachable(uint first) {
         float range2 = light_row(i, LIGHT_INTENSITY).w;
         vec3 outside = max(max(low - at, at - high), vec3(0.0));
         // A little more than the range: the two distances round differently.
-        bool directional = light_row(i, LIGHT_KINDS).x == LIGHT_DIRECTIONAL;
-        if (directional || dot(outside, outside) <= range2 * 1.0001) {
+        if (dot(outside, outside) <= range2 * 1.0001) {
             atomicOr(reachable[(i - first) / 32u], 1u << ((i - first) & 31u));
+        }
+    }
+    barrier();
+    if (gl_LocalInvocationIndex < LIGHT_WORDS) {
+        uint place = 0u;
+        for (uint word = 0u; word < gl_LocalInvocationIndex; ++word) {
+            place += uint(bitCount(reachable[word]));
+        }
+        uint bits = reachable[gl_LocalInvocationIndex];
+        while (bits != 0u) {
+            light_list[place++] = first + 32u * gl_LocalInvocationIndex + uint(findLSB(bits));
+            bits &= bits - 1u;
+        }
+        if (gl_LocalInvocationIndex == LIGHT_WORDS - 1u) {
+            light_list_length = place;
         }
     }
     barrier();
@@ -77,21 +93,17 @@ void mark_reachable(uint first) {
 // Light of all punctual lights. Every invocation of the workgroup takes part, also those without a
 // lit sample.
 vec3 punctual_lights(bool lit, Shading s, vec3 position) {
-    vec3 sum = vec3(0.0);
+    vec3 sum = first_lights(s, position);
+    if (frame.shadowed_end >= frame.light_count) {
+        return sum;
+    }
     find_group_box(lit, position);
-    for (uint first = 0u; first < frame.light_count; first += LIGHTS_AT_A_TIME) {
-        mark_reachable(first);
-        if (!lit) {
-            continue;
-        }
-        uint words = (min(frame.light_count - first, LIGHTS_AT_A_TIME) + 31u) / 32u;
-        for (uint word = 0u; word < words; ++word) {
-            uint bits = reachable[word];
-            while (bits != 0u) {
-                int bit = findLSB(bits);
-                bits &= bits - 1u;
-                sum += one_light(s, position, first + 32u * word + uint(bit));
-            }
+    for (uint first = frame.shadowed_end; first < frame.light_count; first += LIGHTS_AT_A_TIME) {
+        list_reachable(first);
+        for (uint place = 0u; place < light_list_length; ++place) {
+            vec3 to_light;
+            float distance_m;
+            sum += positional_light(s, position, light_list[place], to_light, distance_m);
         }
     }
     return sum;

@@ -9,11 +9,14 @@ struct FrameParams {
     vec4 gaze;               // xy: gaze in px; zw: pixels per radian at the display's centre
     uvec2 size;              // display, px
     uint light_count;
-    uint frame_index;
+    uint directional_count;  // lights from 0 on
     float near;              // metres
     float exposure;
     float env_levels;        // mip levels of the prefiltered environment less one
     float pixel_angle_rad;   // of a pixel at the display's centre
     vec4 env_sh[9];          // irradiance over pi, spherical harmonics to order 2
-    vec4 view_axis;          // unit direction of -Z of the view, in rel
+    uint shadowed_end;       // lights below it are directional or cast shadows
+    uint pad0;
+    uint pad1;
+    uint pad2;
 };

@@ -20,10 +20,13 @@ vec3 sky_radiance(vec3 direction) {
 
 // 2x2 percentage-closer filter: share of the light that reaches the point.
 float shadow_lookup(uint view, vec3 position, vec3 normal, float distance_m) {
-    ShadowView of = shadow_views[view];
+    int row = int(5u * view);
     // Along the normal by a texel and a half: the map's own staircase does not shade the surface.
-    vec3 moved = position + normal * (1.5 * of.bias.x * distance_m);
-    vec4 clip = of.clip_from_rel * vec4(moved, 1.0);
+    float texel_m = texelFetch(shadow_views, row + 4).x * distance_m;
+    vec4 moved = vec4(position + normal * (1.5 * texel_m), 1.0);
+    vec4 clip = vec4(
+        dot(texelFetch(shadow_views, row), moved), dot(texelFetch(shadow_views, row + 1), moved),
+        dot(texelFetch(shadow_views, row + 2), moved), dot(texelFetch(shadow_views, row + 3), moved));
     if (clip.w <= 0.0) {
         return 1.0;
     }
@@ -56,46 +59,64 @@ uint cube_face(vec3 d) {
     return d.z >= 0.0 ? 4u : 5u;
 }
 
-// What light `i` adds at a point.
-vec3 one_light(Shading s, vec3 position, uint i) {
-    vec4 intensity = light_row(i, LIGHT_INTENSITY);
-    vec4 at = light_row(i, LIGHT_POSITION);
-    vec4 kinds = light_row(i, LIGHT_KINDS);
-    float kind = kinds.x;
-    vec3 to_light;
+// Lights come in this order: directional ones, others that cast shadows, the rest. So each loop does
+// only what its lights need; drivers that turn branches into masks would do all of it for every light.
+
+vec3 directional_light(Shading s, vec3 position, uint i) {
+    vec3 to_light = -light_row(i, LIGHT_DIRECTION).xyz;
     float share = 1.0;
-    float distance_m = 1.0;
-    if (HAS_DIRECTIONAL && kind == LIGHT_DIRECTIONAL) {
-        to_light = -light_row(i, LIGHT_DIRECTION).xyz;
-    } else {
-        vec3 offset = at.xyz - position;
-        float distance2 = dot(offset, offset);
-        if (distance2 >= intensity.w) {
-            return vec3(0.0);
-        }
-        // A light on the surface: as if a tenth of a millimetre away.
-        distance2 = max(distance2, 1e-8);
-        to_light = offset * inversesqrt(distance2);
-        // Range window of KHR_lights_punctual.
-        float window = distance2 * at.w;
-        window = clamp(1.0 - window * window, 0.0, 1.0);
-        share = window / distance2;
-        distance_m = sqrt(distance2);
-        if (HAS_SPOT && kind == LIGHT_SPOT) {
-            vec4 direction = light_row(i, LIGHT_DIRECTION);
-            float cone = clamp(dot(direction.xyz, -to_light) * direction.w + kinds.z, 0.0, 1.0);
-            share *= cone * cone;
+    if (HAS_SHADOWS) {
+        float view = light_row(i, LIGHT_KINDS).y;
+        share = view >= 0.0 ? shadow_lookup(uint(max(view, 0.0)), position, s.normal, 1.0) : 1.0;
+    }
+    return reflected(s, to_light) * (light_row(i, LIGHT_INTENSITY).rgb * share);
+}
+
+// A point or spot light without its shadow. Also tells the unit direction to it and its distance (m).
+vec3 positional_light(Shading s, vec3 position, uint i, out vec3 to_light, out float distance_m) {
+    vec4 at = light_row(i, LIGHT_POSITION);
+    vec4 intensity = light_row(i, LIGHT_INTENSITY);
+    vec3 offset = at.xyz - position;
+    // A light on the surface: as if a tenth of a millimetre away.
+    float distance2 = max(dot(offset, offset), 1e-8);
+    float inverse_distance = inversesqrt(distance2);
+    to_light = offset * inverse_distance;
+    distance_m = distance2 * inverse_distance;
+    // Range window of KHR_lights_punctual.
+    float window = distance2 * at.w;
+    float share = clamp(1.0 - window * window, 0.0, 1.0) / distance2;
+    if (HAS_SPOT) {
+        // A point light's scale is 0 and its offset 1.
+        vec4 direction = light_row(i, LIGHT_DIRECTION);
+        float cone = clamp(dot(direction.xyz, -to_light) * direction.w + light_row(i, LIGHT_KINDS).z, 0.0, 1.0);
+        share *= cone * cone;
+    }
+    return reflected(s, to_light) * (intensity.rgb * share);
+}
+
+float positional_shadow(Shading s, vec3 position, uint i, vec3 to_light, float distance_m) {
+    vec4 kinds = light_row(i, LIGHT_KINDS);
+    uint view = uint(max(kinds.y, 0.0)) + (kinds.x == LIGHT_POINT ? cube_face(-to_light) : 0u);
+    return shadow_lookup(view, position, s.normal, distance_m);
+}
+
+// Directional lights, and point and spot lights that cast shadows.
+vec3 first_lights(Shading s, vec3 position) {
+    vec3 sum = vec3(0.0);
+    if (HAS_DIRECTIONAL) {
+        for (uint i = 0u; i < frame.directional_count; ++i) {
+            sum += directional_light(s, position, i);
         }
     }
-    share = dot(s.normal, to_light) > 0.0 ? share : 0.0;
-    if (HAS_SHADOWS && kinds.y >= 0.0 && share > 0.0) {
-        uint shadow = uint(kinds.y);
-        if (HAS_POINT && kind == LIGHT_POINT) {
-            shadow += cube_face(-to_light);
+    if (HAS_SHADOWS) {
+        for (uint i = frame.directional_count; i < frame.shadowed_end; ++i) {
+            vec3 to_light;
+            float distance_m;
+            vec3 radiance = positional_light(s, position, i, to_light, distance_m);
+            sum += radiance * positional_shadow(s, position, i, to_light, distance_m);
         }
-        share *= shadow_lookup(shadow, position, s.normal, distance_m);
     }
-    return share > 0.0 ? reflected(s, to_light) * (intensity.rgb * share) : vec3(0.0);
+    return sum;
 }
 
 // Ambient light of the environment: irradiance by spherical harmonics (Ramamoorthi and Hanrahan

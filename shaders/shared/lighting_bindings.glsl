@@ -3,7 +3,8 @@ layout(set = 0, binding = 0) uniform Frame { FrameParams frame; };
 // Four texels a light, as the Rust struct `Light` has them: texel fetches are what software rasterisers vectorise best, and
 // a GPU's texture cache holds them all.
 layout(set = 0, binding = 1) uniform textureBuffer lights;
-layout(set = 0, binding = 2, std430) readonly buffer ShadowViews { ShadowView shadow_views[]; };
+// Five texels a view: the rows of clip from rel (reversed depth), and the size of a texel.
+layout(set = 0, binding = 2) uniform textureBuffer shadow_views;
 layout(set = 0, binding = 3) uniform texture2DArray shadow_maps;
 layout(set = 0, binding = 4) uniform sampler2D sky;
 layout(set = 0, binding = 5) uniform sampler2D specular_env;

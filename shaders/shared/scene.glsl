@@ -1,13 +1,4 @@
-// Scene data in buffers: instances, materials, lights, shadow views.
-
-struct Instance {
-    vec4 rel_from_mesh[3];      // rows; the last column is the translation
-    vec4 rel_from_normal[3];    // rows of the cofactor matrix (xyz); right for any scale and mirroring
-    uint material;
-    uint mirrored;              // 1: the transform turns right into left
-    uint pad0;
-    uint pad1;
-};
+// Scene data: materials, kinds of light.
 
 struct TextureUse {
     vec4 row_u;                 // xyz: u' = row . (u, v, 1); w: UV set
@@ -29,8 +20,3 @@ struct Material {
 const float LIGHT_DIRECTIONAL = 0.0;
 const float LIGHT_POINT = 1.0;
 const float LIGHT_SPOT = 2.0;
-
-struct ShadowView {
-    mat4 clip_from_rel;         // reversed depth
-    vec4 bias;                  // x: world size of a texel at distance 1 (spot, point) or anywhere (directional)
-};

@@ -1,7 +1,7 @@
 //! What a scene has: it decides which effects run and how shaders are specialised.
 
 use crate::scene::environment::Environment;
-use crate::scene::{AlphaMode, LightKind, Scene};
+use crate::scene::{AlphaMode, LightKind, Material, Scene};
 
 /// What the materials that are in use, the lights and the surroundings of a scene need.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,5 +60,47 @@ impl SceneFeatures {
     #[must_use]
     pub fn lights(&self) -> u32 {
         self.directional_lights + self.point_lights + self.spot_lights
+    }
+}
+
+/// Which maps a material has, and whether it is masked: what its pipeline is specialised to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct MaterialVariant(u8);
+
+/// The bits of a [`MaterialVariant`], by the names of their specialization constants.
+const VARIANT_BITS: [&str; 6] = [
+    "HAS_BASE_COLOR_MAP",
+    "HAS_METALLIC_ROUGHNESS_MAP",
+    "HAS_NORMAL_MAP",
+    "HAS_OCCLUSION_MAP",
+    "HAS_EMISSIVE_MAP",
+    "HAS_ALPHA_MASK",
+];
+
+impl MaterialVariant {
+    /// The variant of a material.
+    #[must_use]
+    pub fn of(material: &Material) -> Self {
+        let has = [
+            material.base_color_texture.is_some(),
+            material.metallic_roughness_texture.is_some(),
+            material.normal_texture.is_some(),
+            material.occlusion_texture.is_some(),
+            material.emissive_texture.is_some(),
+            matches!(material.alpha_mode, AlphaMode::Mask { .. }),
+        ];
+        Self((0..).zip(has).fold(0, |bits, (bit, has)| bits | u8::from(has) << bit))
+    }
+
+    /// Alpha-masked.
+    #[must_use]
+    pub fn masked(self) -> bool {
+        self.0 >> 5 & 1 == 1
+    }
+
+    /// The specialization constants; `force`: all on.
+    pub fn spec(self, force: bool) -> impl Iterator<Item = (&'static str, u32)> {
+        let bit = move |index: usize| u32::from(force || self.0 >> index & 1 == 1);
+        VARIANT_BITS.into_iter().enumerate().map(move |(index, name)| (name, bit(index)))
     }
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// The materials of a scene in GPU memory.
 pub(super) struct GpuMaterials {
-    pub(super) buffer: Buffer,
+    buffer: Buffer,
     pub(super) sets: Vec<vk::DescriptorSet>,
     pool: vk::DescriptorPool,
     layout: vk::DescriptorSetLayout,
@@ -50,8 +50,15 @@ impl GpuMaterials {
             samplers.add(context, &texture.sampler)?;
             images.push(textures::upload(context, texture)?);
         }
-        let records: Vec<_> = scene.materials.iter().map(record).collect();
-        let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        // Each material's record starts where the device lets a uniform block begin.
+        let size = size_of::<structs::Material>();
+        let alignment = usize::try_from(context.limits.min_uniform_buffer_offset_alignment).unwrap_or(256);
+        let stride = size.next_multiple_of(alignment.max(1));
+        let mut records = vec![0u8; stride * scene.materials.len()];
+        for (material, bytes) in scene.materials.iter().zip(records.chunks_exact_mut(stride)) {
+            bytes[..size].copy_from_slice(bytemuck::bytes_of(&record(material)));
+        }
+        let usage = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let buffer = submit::upload_buffer(context, "materials", &records, usage)?;
         let bindings = set1_bindings(&shaders::GBUFFER_FRAG);
         let layout = make_layout(context, &bindings)?;
@@ -64,15 +71,18 @@ impl GpuMaterials {
             _samplers: Samplers::default(),
             context: context.clone(),
         };
-        made.allocate_sets(scene.materials.len(), bindings.len())?;
-        for (material, &set) in scene.materials.iter().zip(&made.sets) {
-            let binds = MAPS.map(|(name, of)| {
+        made.allocate_sets(scene.materials.len())?;
+        for (index, (material, &set)) in scene.materials.iter().zip(&made.sets).enumerate() {
+            let block = Bind::Range(&made.buffer, (index * stride) as u64, size as u64);
+            let maps = MAPS.map(|(name, of)| {
                 let index = of(material).map_or(scene.textures.len(), |use_| use_.texture);
                 let sampler = scene.textures.get(index).map_or(&white.sampler, |texture| &texture.sampler);
                 // Every texture's sampler was added above.
                 let Some(sampler) = samplers.get(sampler) else { unreachable!("{name} has no sampler") };
                 (name, Bind::Sampled(&images[index], sampler))
             });
+            let mut binds = maps.to_vec();
+            binds.push(("MaterialBlock", block));
             write_set(context, "material", set, &bindings, &binds, 0);
         }
         made._images = images;
@@ -80,12 +90,14 @@ impl GpuMaterials {
         Ok(made)
     }
 
-    fn allocate_sets(&mut self, materials: usize, bindings: usize) -> Result<()> {
+    fn allocate_sets(&mut self, materials: usize) -> Result<()> {
         let count = u32::try_from(materials.max(1)).unwrap_or(u32::MAX);
-        let sizes = [vk::DescriptorPoolSize {
-            ty: vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
-            descriptor_count: count * u32::try_from(bindings).unwrap_or(1),
-        }];
+        let size =
+            |ty: vk::DescriptorType, each: u32| vk::DescriptorPoolSize { ty, descriptor_count: count * each };
+        let sizes = [
+            size(vk::DescriptorType::COMBINED_IMAGE_SAMPLER, MAPS.len() as u32),
+            size(vk::DescriptorType::UNIFORM_BUFFER, 1),
+        ];
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
         let device = &self.context.device;
         // SAFETY: the device is alive.

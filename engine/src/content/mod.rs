@@ -7,7 +7,7 @@ mod scene;
 mod textures;
 
 pub use environment::GpuEnvironment;
-pub use features::SceneFeatures;
+pub use features::{MaterialVariant, SceneFeatures};
 pub use scene::{DrawInstance, GpuScene, MeshRange};
 
 use crate::error::Result;

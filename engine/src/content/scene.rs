@@ -1,7 +1,7 @@
 //! A triangle scene in GPU memory.
 
 use super::environment::GpuEnvironment;
-use super::features::SceneFeatures;
+use super::features::{MaterialVariant, SceneFeatures};
 use super::materials::GpuMaterials;
 use crate::error::Result;
 use crate::gpu::{Buffer, Context, structs, submit};
@@ -30,7 +30,7 @@ pub struct DrawInstance {
     /// Index of its material.
     pub material: usize,
     /// Its record but for the translation, which depends on the eye.
-    pub record: structs::Instance,
+    pub record: structs::Draw,
     /// World position of the mesh's origin.
     pub origin: DVec3,
     /// World bounding sphere.
@@ -41,8 +41,8 @@ pub struct DrawInstance {
     pub double_sided: bool,
     /// Turns right into left.
     pub mirrored: bool,
-    /// Alpha-masked.
-    pub masked: bool,
+    /// Which maps its material has.
+    pub variant: MaterialVariant,
     /// Drawn in the forward pass.
     pub blend: bool,
 }
@@ -113,10 +113,6 @@ impl GpuScene {
         })
     }
 
-    pub(crate) fn material_buffer(&self) -> &Buffer {
-        &self.materials.buffer
-    }
-
     pub(crate) fn material_set(&self, material: usize) -> vk::DescriptorSet {
         self.materials.sets[material]
     }
@@ -155,11 +151,11 @@ fn draw_instance(scene: &Scene, instance: &crate::scene::Instance) -> DrawInstan
     DrawInstance {
         mesh: instance.mesh,
         material: instance.material,
-        record: structs::Instance {
+        record: structs::Draw {
             rel_from_mesh: rows(linear),
             rel_from_normal: rows(cofactor * scale),
-            material: fit(instance.material),
-            mirrored: u32::from(mirrored),
+            handedness: if mirrored { -1.0 } else { 1.0 },
+            view: 0,
             pad0: 0,
             pad1: 0,
         },
@@ -168,7 +164,7 @@ fn draw_instance(scene: &Scene, instance: &crate::scene::Instance) -> DrawInstan
         radius_m,
         double_sided: material.double_sided,
         mirrored,
-        masked: matches!(material.alpha_mode, AlphaMode::Mask { .. }),
+        variant: MaterialVariant::of(material),
         blend: material.alpha_mode == AlphaMode::Blend,
     }
 }

@@ -29,7 +29,6 @@ pub struct ContextParts {
 
 /// A device, its allocator and its pipeline cache. Shared by everything that owns Vulkan objects.
 pub struct Context {
-    pub(crate) instance: ash::Instance,
     pub(crate) device: ash::Device,
     pub(crate) queue: vk::Queue,
     pub(crate) queue_family: u32,
@@ -82,7 +81,6 @@ impl Context {
         let pipeline_cache = make_cache(&device, &initial)?;
         let debug = debug_utils.then(|| ash::ext::debug_utils::Device::new(&instance, &device));
         Ok(Arc::new(Self {
-            instance,
             device,
             queue,
             queue_family,

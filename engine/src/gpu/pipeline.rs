@@ -18,6 +18,8 @@ pub enum Bind<'a> {
     Buffer(&'a Buffer),
     /// One buffer for each frame slot.
     PerSlot(&'a [Buffer]),
+    /// Part of a buffer: offset and size in bytes.
+    Range(&'a Buffer, u64, u64),
     /// An image as storage image or as sampled image without sampler.
     Image(&'a Image),
     /// An image and a sampler.
@@ -170,10 +172,10 @@ pub(crate) fn write_set(
                 DescriptorKind::UniformBuffer
                 | DescriptorKind::StorageBuffer
                 | DescriptorKind::UniformTexelBuffer,
-                Bind::Buffer(_) | Bind::PerSlot(_),
+                Bind::Buffer(_) | Bind::PerSlot(_) | Bind::Range(..),
             ) => match bind {
                 Bind::PerSlot(buffers) => (Some(&buffers[slot]), None),
-                Bind::Buffer(buffer) => (Some(*buffer), None),
+                Bind::Buffer(buffer) | Bind::Range(buffer, ..) => (Some(*buffer), None),
                 Bind::Image(_) | Bind::Sampled(..) => (None, None),
             },
             (DescriptorKind::StorageImage | DescriptorKind::SampledImage, Bind::Image(image)) => {
@@ -186,7 +188,11 @@ pub(crate) fn write_set(
         };
         let texels = buffer.map(|buffer| [buffer.texel_view]);
         let buffers = buffer.map(|buffer| {
-            [vk::DescriptorBufferInfo { buffer: buffer.buffer, offset: 0, range: vk::WHOLE_SIZE }]
+            let (offset, range) = match *bind {
+                Bind::Range(_, offset, size) => (offset, size),
+                _ => (0, vk::WHOLE_SIZE),
+            };
+            [vk::DescriptorBufferInfo { buffer: buffer.buffer, offset, range }]
         });
         let images = image.map(|(image, sampler)| {
             [vk::DescriptorImageInfo {

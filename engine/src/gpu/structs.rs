@@ -21,8 +21,8 @@ pub struct FrameParams {
     pub size: [u32; 2],
     /// Number of lights.
     pub light_count: u32,
-    /// Counts up.
-    pub frame_index: u32,
+    /// Lights that are directional; they come first.
+    pub directional_count: u32,
     /// Near plane, m.
     pub near: f32,
     /// Factor on radiance.
@@ -33,34 +33,40 @@ pub struct FrameParams {
     pub pixel_angle_rad: f32,
     /// Irradiance over pi.
     pub env_sh: [[f32; 4]; 9],
-    /// View axis in rel.
-    pub view_axis: [f32; 4],
+    /// Lights below it are directional or cast shadows.
+    pub shadowed_end: u32,
+    /// Unused.
+    pub pad0: u32,
+    /// Unused.
+    pub pad1: u32,
+    /// Unused.
+    pub pad2: u32,
 }
 
 gpu_layout!(FrameParams, "FrameParams" {
-    clip_from_rel, ray_base, ray_dx, ray_dy, gaze, size, light_count, frame_index, near, exposure,
-    env_levels, pixel_angle_rad, env_sh, view_axis,
+    clip_from_rel, ray_base, ray_dx, ray_dy, gaze, size, light_count, directional_count, near, exposure,
+    env_levels, pixel_angle_rad, env_sh, shadowed_end, pad0, pad1, pad2,
 });
 
-/// `Instance`
+/// `Draw`: the push constants of one draw; they fit the 128 bytes that every device has.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct Instance {
-    /// Rows.
+pub struct Draw {
+    /// Rows; the last column is the translation.
     pub rel_from_mesh: [[f32; 4]; 3],
     /// Rows of the cofactor matrix.
     pub rel_from_normal: [[f32; 4]; 3],
-    /// Index.
-    pub material: u32,
-    /// 0 or 1.
-    pub mirrored: u32,
+    /// -1 where the transform turns right into left, else 1.
+    pub handedness: f32,
+    /// Shadow view.
+    pub view: u32,
     /// Unused.
     pub pad0: u32,
     /// Unused.
     pub pad1: u32,
 }
 
-gpu_layout!(Instance, "Instance" { rel_from_mesh, rel_from_normal, material, mirrored, pad0, pad1 });
+gpu_layout!(Draw, "Draw" { rel_from_mesh, rel_from_normal, handedness, view, pad0, pad1 });
 
 /// `TextureUse`
 #[repr(C)]
@@ -126,17 +132,17 @@ pub struct Light {
 
 const _: () = assert!(size_of::<Light>() == 64, "four texels of 16 bytes");
 
-/// `ShadowView`
+/// A shadow view as five texels of a buffer.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct ShadowView {
-    /// Columns.
+    /// Rows.
     pub clip_from_rel: [[f32; 4]; 4],
     /// x: size of a texel at distance 1 m, or anywhere for directional lights.
     pub bias: [f32; 4],
 }
 
-gpu_layout!(ShadowView, "ShadowView" { clip_from_rel, bias });
+const _: () = assert!(size_of::<ShadowView>() == 80, "five texels of 16 bytes");
 
 /// `SampleCounts`
 #[repr(C)]
@@ -188,10 +194,9 @@ mod tests {
     #[test]
     fn every_struct_matches_its_twin_in_glsl() {
         check::<FrameParams>();
-        check::<Instance>();
+        check::<Draw>();
         check::<TextureUse>();
         check::<Material>();
-        check::<ShadowView>();
         check::<SampleCounts>();
         check::<SdfCamera>();
         check::<crate::fovea::FoveaParams>();

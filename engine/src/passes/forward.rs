@@ -93,7 +93,8 @@ impl Pass<FrameArgs> for Forward {
             self.pipeline.bind(commands, frame.slot);
             let mut state = DrawState::default();
             for &index in &frame.blended {
-                state.draw(&self.scene, commands, &self.pipeline, index, true);
+                let instance = &self.scene.instances[index as usize];
+                state.draw(&self.scene, commands, &self.pipeline, instance, frame.eye, None);
             }
             self.context.device.cmd_end_rendering(commands);
         }

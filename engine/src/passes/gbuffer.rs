@@ -1,7 +1,7 @@
 //! Rasterises the surfaces that the eye sees: 16 bytes of surface and 4 of depth a pixel.
 
 use super::{DrawState, FrameArgs, FrameBuffers, Targets, bind_geometry, set_viewport};
-use crate::content::GpuScene;
+use crate::content::{GpuScene, MaterialVariant};
 use crate::error::Result;
 use crate::gpu::pipeline::{GraphicsState, Spec};
 use crate::gpu::{Bind, Context, GraphicsPipeline, shaders};
@@ -9,21 +9,19 @@ use crate::graph::Pass;
 use ash::vk;
 use std::sync::Arc;
 
-/// Bytes of G-buffer to a pixel, depth included.
-pub const BYTES_PER_PX: u32 = 20;
-
 /// The pass.
 pub struct GBuffer {
-    opaque: GraphicsPipeline,
-    /// Drops fragments, so it cannot test depth early; only for what needs it.
-    masked: Option<GraphicsPipeline>,
+    /// One pipeline for each combination of maps that the materials have: a fragment samples no
+    /// texture that its material lacks, and only masked materials give up the early depth test.
+    pipelines: Vec<(MaterialVariant, GraphicsPipeline)>,
     context: Arc<Context>,
     scene: Arc<GpuScene>,
     targets: Arc<Targets>,
 }
 
 impl GBuffer {
-    /// Builds it, specialised to what the materials use. `spec` must leave out `HAS_ALPHA_MASK`.
+    /// Builds it. `spec` says what the scene's materials have beside their maps; `force`: as if every
+    /// material had every map.
     ///
     /// # Errors
     /// [`crate::Error::Vulkan`].
@@ -33,12 +31,19 @@ impl GBuffer {
         targets: &Arc<Targets>,
         buffers: &FrameBuffers,
         spec: Spec<'_>,
-        masked: bool,
+        force: bool,
     ) -> Result<Self> {
-        let build = |mask: u32| {
+        let opaque = scene.instances.iter().filter(|instance| !instance.blend);
+        let mut variants: Vec<_> = opaque.map(|instance| instance.variant).collect();
+        variants.sort_unstable();
+        variants.dedup();
+        let mut pipelines = Vec::with_capacity(variants.len());
+        for variant in variants {
             let mut spec = spec.to_vec();
-            spec.push(("HAS_ALPHA_MASK", mask));
-            GraphicsPipeline::new(
+            for (name, value) in variant.spec(force) {
+                spec.push((name, value));
+            }
+            let pipeline = GraphicsPipeline::new(
                 context,
                 &[&shaders::GBUFFER_VERT, &shaders::GBUFFER_FRAG],
                 &spec,
@@ -49,32 +54,23 @@ impl GBuffer {
                     scene_vertices: true,
                     ..GraphicsState::default()
                 },
-                &[
-                    ("Frame", Bind::PerSlot(&buffers.frame)),
-                    ("Instances", Bind::PerSlot(&buffers.instances)),
-                    ("Materials", Bind::Buffer(scene.material_buffer())),
-                ],
-            )
-        };
-        Ok(Self {
-            opaque: build(0)?,
-            masked: masked.then(|| build(1)).transpose()?,
-            context: context.clone(),
-            scene: scene.clone(),
-            targets: targets.clone(),
-        })
+                &[("Frame", Bind::PerSlot(&buffers.frame))],
+            )?;
+            pipelines.push((variant, pipeline));
+        }
+        Ok(Self { pipelines, context: context.clone(), scene: scene.clone(), targets: targets.clone() })
     }
 
     fn draw(&self, commands: vk::CommandBuffer, frame: &FrameArgs) {
         let scene = &self.scene;
         bind_geometry(scene, commands);
-        for (pipeline, masked) in [(Some(&self.opaque), false), (self.masked.as_ref(), true)] {
-            let Some(pipeline) = pipeline else { continue };
+        for (variant, pipeline) in &self.pipelines {
             pipeline.bind(commands, frame.slot);
             let mut state = DrawState::default();
             for &index in &frame.opaque {
-                if scene.instances[index as usize].masked == masked {
-                    state.draw(scene, commands, pipeline, index, true);
+                let instance = &scene.instances[index as usize];
+                if instance.variant == *variant {
+                    state.draw(scene, commands, pipeline, instance, frame.eye, None);
                 }
             }
         }

@@ -33,17 +33,20 @@ pub use post_filter::PostFilter;
 pub use shadow::{MAX_SHADOW_VIEWS, Shadow};
 pub use targets::{FrameBuffers, TargetSizes, Targets};
 
-use crate::content::GpuScene;
+use crate::content::{DrawInstance, GpuScene};
 use crate::gpu::pipeline::Bind;
 use crate::gpu::{Context, GraphicsPipeline};
 use crate::host::TargetImage;
 use ash::vk;
+use glam::DVec3;
 
 /// What the renderer hands to every pass, each frame.
 #[derive(Clone, Debug)]
 pub struct FrameArgs {
     /// Frame slot.
     pub slot: usize,
+    /// Eye, world.
+    pub eye: DVec3,
     /// Where the picture goes.
     pub target: TargetImage,
     /// Instances of the view that the G-buffer holds, nearest first.
@@ -75,9 +78,7 @@ fn lighting_binds<'a>(
     vec![
         ("Frame", Bind::PerSlot(&buffers.frame)),
         ("lights", Bind::PerSlot(&buffers.lights)),
-        ("ShadowViews", Bind::PerSlot(&buffers.shadow_views)),
-        ("Instances", Bind::PerSlot(&buffers.instances)),
-        ("Materials", Bind::Buffer(scene.material_buffer())),
+        ("shadow_views", Bind::PerSlot(&buffers.shadow_views)),
         ("shadow_maps", Bind::Image(&targets.shadow_maps)),
         ("sky", Bind::Sampled(&environment.sky, &environment.around)),
         ("specular_env", Bind::Sampled(&environment.specular, &environment.around)),
@@ -121,21 +122,28 @@ struct DrawState {
 }
 
 impl DrawState {
-    /// Draws one instance. `cull`: leave out back faces of single-sided materials.
+    /// Draws one instance relative to the eye, for the eye itself or for a shadow view. Back faces of
+    /// single-sided materials are left out for the eye only: light stops at both sides.
     fn draw(
         &mut self,
         scene: &GpuScene,
         commands: vk::CommandBuffer,
         pipeline: &GraphicsPipeline,
-        index: u32,
-        cull: bool,
+        instance: &DrawInstance,
+        eye: DVec3,
+        shadow_view: Option<u32>,
     ) {
-        let instance = &scene.instances[index as usize];
         let mesh = scene.meshes[instance.mesh];
         let device = &scene.context.device;
-        let culling = (cull && !instance.double_sided, instance.mirrored);
-        // SAFETY: `commands` is being recorded inside of rendering with `pipeline` bound; mesh and
-        // instance are in range of the bound buffers.
+        let culling = (shadow_view.is_none() && !instance.double_sided, instance.mirrored);
+        let mut push = instance.record;
+        for (row, value) in push.rel_from_mesh.iter_mut().zip((instance.origin - eye).as_vec3().to_array()) {
+            row[3] = value;
+        }
+        push.view = shadow_view.unwrap_or(0);
+        pipeline.push(commands, &push);
+        // SAFETY: `commands` is being recorded inside of rendering with `pipeline` bound; the mesh is in
+        // range of the bound buffers.
         unsafe {
             if self.culling != Some(culling) {
                 let mode = if culling.0 { vk::CullModeFlags::BACK } else { vk::CullModeFlags::NONE };
@@ -151,14 +159,7 @@ impl DrawState {
                 }
                 self.material = Some(instance.material);
             }
-            device.cmd_draw_indexed(
-                commands,
-                mesh.index_count,
-                1,
-                mesh.first_index,
-                mesh.vertex_offset,
-                index,
-            );
+            device.cmd_draw_indexed(commands, mesh.index_count, 1, mesh.first_index, mesh.vertex_offset, 0);
         }
     }
 }

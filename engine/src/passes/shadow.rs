@@ -45,11 +45,7 @@ impl Shadow {
             scene_vertices: true,
             ..GraphicsState::default()
         };
-        let binds = [
-            ("ShadowViews", Bind::PerSlot(&buffers.shadow_views)),
-            ("Instances", Bind::PerSlot(&buffers.instances)),
-            ("Materials", Bind::Buffer(scene.material_buffer())),
-        ];
+        let binds = [("shadow_views", Bind::PerSlot(&buffers.shadow_views))];
         let opaque = GraphicsPipeline::new(context, &[&shaders::SHADOW_VERT], &[], &state, &binds)?;
         let masked = masked
             .then(|| {
@@ -65,12 +61,11 @@ impl Shadow {
         for (pipeline, masked) in [(Some(&self.opaque), false), (self.masked.as_ref(), true)] {
             let Some(pipeline) = pipeline else { continue };
             pipeline.bind(commands, frame.slot);
-            pipeline.push(commands, &view);
             let mut state = DrawState::default();
-            for (index, instance) in (0u32..).zip(&scene.instances) {
+            for instance in &scene.instances {
                 // Blended surfaces cast no shadow: there is no one depth at which they stop light.
-                if !instance.blend && instance.masked == masked {
-                    state.draw(scene, commands, pipeline, index, false);
+                if !instance.blend && instance.variant.masked() == masked {
+                    state.draw(scene, commands, pipeline, instance, frame.eye, Some(view));
                 }
             }
         }

@@ -162,7 +162,6 @@ pub struct FrameBuffers {
     pub(crate) fovea: Vec<Buffer>,
     pub(crate) lights: Vec<Buffer>,
     pub(crate) shadow_views: Vec<Buffer>,
-    pub(crate) instances: Vec<Buffer>,
     pub(crate) sdf_camera: Vec<Buffer>,
     /// Read back: [`structs::SampleCounts`].
     pub(crate) stats: Vec<Buffer>,
@@ -202,13 +201,7 @@ impl FrameBuffers {
             shadow_views: slots(
                 "shadow views",
                 size(size_of::<structs::ShadowView>(), u64::from(shadow_views)),
-                storage,
-                up,
-            )?,
-            instances: slots(
-                "instances",
-                size(size_of::<structs::Instance>(), count(|s| s.instances.len())),
-                storage,
+                vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER,
                 up,
             )?,
             sdf_camera: slots("sdf camera", size(size_of::<structs::SdfCamera>(), 1), uniform, up)?,

@@ -3,6 +3,7 @@
 use crate::content::GpuEnvironment;
 use crate::fovea::DisplayGeometry;
 use crate::gpu::structs::FrameParams;
+use crate::plan::EffectPlan;
 use crate::settings::RenderSettings;
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
@@ -78,8 +79,7 @@ impl CameraFrame {
         &self,
         settings: &RenderSettings,
         gaze_px: DVec2,
-        frame_index: u32,
-        lights: usize,
+        effects: &EffectPlan,
         environment: Option<&GpuEnvironment>,
     ) -> FrameParams {
         let [width, height] = self.display.size_px.map(f64::from);
@@ -101,14 +101,17 @@ impl CameraFrame {
                 dy.length().recip() as f32,
             ],
             size: self.display.size_px,
-            light_count: u32::try_from(lights).unwrap_or(u32::MAX),
-            frame_index,
+            light_count: u32::try_from(effects.lights.len()).unwrap_or(u32::MAX),
+            directional_count: effects.directional_count,
             near: NEAR_M as f32,
             exposure: settings.exposure,
             env_levels: environment.map_or(0.0, |of| (of.levels - 1) as f32),
             pixel_angle_rad: pixel_angle_rad as f32,
             env_sh: environment.map_or([[0.0; 4]; 9], |of| of.sh),
-            view_axis: row(-self.rel_from_view.z_axis),
+            shadowed_end: effects.shadowed_end,
+            pad0: 0,
+            pad1: 0,
+            pad2: 0,
         }
     }
 }

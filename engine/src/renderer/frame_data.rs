@@ -36,7 +36,7 @@ pub(super) fn choose_visible(
     }
 }
 
-/// Writes instances, lights and shadow views, all relative to the eye.
+/// Writes lights and shadow views, all relative to the eye.
 pub(super) fn write_scene(
     scene: &GpuScene,
     effects: &EffectPlan,
@@ -45,18 +45,10 @@ pub(super) fn write_scene(
     buffers: &mut FrameBuffers,
     slot: usize,
 ) {
-    for (index, instance) in scene.instances.iter().enumerate() {
-        let mut record = instance.record;
-        let origin = (instance.origin - camera.eye).as_vec3();
-        for (row, value) in record.rel_from_mesh.iter_mut().zip(origin.to_array()) {
-            row[3] = value;
-        }
-        buffers.instances[slot].write(index * size_of::<structs::Instance>(), &[record]);
-    }
-    for (index, light) in scene.lights.iter().enumerate() {
-        let first_view = effects.shadow_first_view.get(index).copied().flatten().filter(|_| effects.shadows);
+    for (place, &(index, first_view)) in effects.lights.iter().enumerate() {
+        let light = &scene.lights[index];
         let record = light_record(light, camera.eye, first_view);
-        buffers.lights[slot].write(index * size_of::<structs::Light>(), &[record]);
+        buffers.lights[slot].write(place * size_of::<structs::Light>(), &[record]);
         if let Some(first) = first_view {
             write_views(light, scene, settings, camera.eye, first, &mut |view: u32, record: ShadowView| {
                 let offset = view as usize * size_of::<ShadowView>();
@@ -64,7 +56,7 @@ pub(super) fn write_scene(
             });
         }
     }
-    if effects.shadows && effects.shadow_first_view.iter().all(Option::is_none) {
+    if effects.shadows && effects.lights.iter().all(|(_, view)| view.is_none()) {
         // Forced: one view of everything, which no light reads.
         let down = Light {
             name: String::new(),
@@ -146,7 +138,7 @@ fn write_views(
 
 fn view_record(clip_from_rel: DMat4, texel_m: f64) -> ShadowView {
     ShadowView {
-        clip_from_rel: clip_from_rel.as_mat4().to_cols_array_2d(),
+        clip_from_rel: clip_from_rel.transpose().as_mat4().to_cols_array_2d(),
         bias: [texel_m as f32, 0.0, 0.0, 0.0],
     }
 }

@@ -134,7 +134,7 @@ impl Builder<'_> {
         }
         let spec = &self.effects.material_spec;
         let pass =
-            GBuffer::new(self.context, scene, self.targets, self.buffers, spec, self.effects.alpha_mask)?;
+            GBuffer::new(self.context, scene, self.targets, self.buffers, spec, self.settings.force_effects)?;
         let accesses = [
             (ids.scene, Access::VertexRead),
             (ids.gbuffer, Access::ColorWrite),
