@@ -238,6 +238,7 @@ fn glb_error(error: gltf::Error, bytes: &[u8]) -> String {
         GlbError::Io(_) if bytes.len() == GLB_HEADER => NO_JSON_CHUNK.to_owned(),
         GlbError::Io(_) => "a GLB chunk's header is cut off".to_owned(),
         GlbError::ChunkType(ChunkType::Bin) => NO_JSON_CHUNK.to_owned(),
+        GlbError::ChunkType(ChunkType::Json) => "the GLB has two JSON chunks".to_owned(),
         error => format!("the GLB cannot be read: {error}"),
     }
 }

@@ -39,7 +39,10 @@ pub fn parse(text: &[u8]) -> Outcome<Parsed> {
         Ok(root) => Ok(Parsed { root, origins }),
         // The file is read again to find out which part it is, so that sound files, which may hold
         // large data URIs, are never kept twice.
-        Err(error) => Err(culprit(&mended(text)?).unwrap_or_else(|| reword(&error))),
+        Err(error) => Err(culprit(&mended(text)?).unwrap_or_else(|| {
+            // Only the lists are searched.
+            format!("the JSON is not glTF 2.0: {}", reword(&error))
+        })),
     }
 }
 
@@ -201,6 +204,9 @@ fn origin(node: &Value) -> Option<[f64; 3]> {
 
 /// The first thing in the file that the crate's types cannot hold, and why.
 fn culprit(root: &Value) -> Option<String> {
+    if root.get("scene").is_some_and(|scene| !scene.is_u64()) {
+        return Some("the file's \"scene\" is not an index".to_owned());
+    }
     let empty = Value::Null;
     let lights =
         root.get("extensions").and_then(|extensions| extensions.get("KHR_lights_punctual")).unwrap_or(&empty);
