@@ -156,6 +156,7 @@ fn descriptor_kind(ty: &DescriptorType) -> Option<&'static str> {
         DescriptorType::SampledImage() => Some("SampledImage"),
         DescriptorType::StorageImage(_) => Some("StorageImage"),
         DescriptorType::UniformBuffer() => Some("UniformBuffer"),
+        DescriptorType::UniformTexelBuffer() => Some("UniformTexelBuffer"),
         DescriptorType::StorageBuffer(_) => Some("StorageBuffer"),
         _ => None,
     }

@@ -17,5 +17,13 @@ void main() {
     vec4 base = base_color_at();
     Surface surface = surface_at(base);
     float alpha = clamp(base.a, 0.0, 1.0);
-    out_color = vec4(storable(lit_surface(surface, in_position)) * alpha, alpha);
+    vec3 radiance = surface.emissive;
+    if (!surface.unlit) {
+        Shading s = shading_at(surface, in_position);
+        radiance = other_light(s, surface);
+        for (uint i = 0u; i < frame.light_count; ++i) {
+            radiance += one_light(s, in_position, i);
+        }
+    }
+    out_color = vec4(storable(radiance) * alpha, alpha);
 }

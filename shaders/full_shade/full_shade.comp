@@ -7,8 +7,9 @@ layout(set = 0, binding = 9, rgba16f) uniform writeonly image2D hdr;
 
 void main() {
     ivec2 px = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(uvec2(px), frame.size))) {
-        return;
+    bool inside = all(lessThan(uvec2(px), frame.size));
+    vec3 radiance = shade_px(inside, px);
+    if (inside) {
+        imageStore(hdr, px, vec4(radiance, 1.0));
     }
-    imageStore(hdr, px, vec4(shade_px(px), 1.0));
 }

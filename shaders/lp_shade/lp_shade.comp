@@ -5,10 +5,8 @@
 #include "shared/lp_targets.glsl"
 
 void main() {
-    uint entry;
-    if (!sample_entry(entry)) {
-        return;
-    }
+    uint entry = 0u;
+    bool wanted = sample_entry(entry);
     bool native_sample = (entry & NATIVE_SAMPLE) != 0u;
     ivec2 px;
     if (native_sample) {
@@ -19,7 +17,10 @@ void main() {
         vec2 at = row_direction(texel.y) * column_radii_px(texel.x).x + fovea.gaze_px.xy;
         px = clamp(ivec2(floor(at)), ivec2(0), ivec2(fovea.size.xy) - 1);
     }
-    vec4 radiance = vec4(shade_px(px), 1.0);
+    vec4 radiance = vec4(shade_px(wanted, px), 1.0);
+    if (!wanted) {
+        return;
+    }
     if (native_sample) {
         imageStore(hdr, px, radiance);
     } else {

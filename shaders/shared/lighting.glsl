@@ -56,52 +56,46 @@ uint cube_face(vec3 d) {
     return d.z >= 0.0 ? 4u : 5u;
 }
 
-vec3 punctual_lights(Shading s, vec3 position) {
-    vec3 sum = vec3(0.0);
-    for (uint i = 0u; i < frame.light_count; ++i) {
-        vec4 at = lights[i].position;
-        vec4 intensity = lights[i].intensity;
-        uint kind = lights[i].kind;
-        vec3 to_light;
-        float share = 1.0;
-        float distance_m = 1.0;
-        if (HAS_DIRECTIONAL && kind == LIGHT_DIRECTIONAL) {
-            to_light = -lights[i].direction.xyz;
-        } else {
-            vec3 offset = at.xyz - position;
-            float distance2 = dot(offset, offset);
-            if (distance2 >= intensity.w) {
-                continue;
-            }
-            // A light on the surface: as if a tenth of a millimetre away.
-            distance2 = max(distance2, 1e-8);
-            to_light = offset * inversesqrt(distance2);
-            if (dot(s.normal, to_light) <= 0.0) {
-                continue;
-            }
-            // Range window of KHR_lights_punctual.
-            float window = distance2 * at.w;
-            window = clamp(1.0 - window * window, 0.0, 1.0);
-            share = window / distance2;
-            distance_m = sqrt(distance2);
-            if (HAS_SPOT && kind == LIGHT_SPOT) {
-                float cosine = dot(lights[i].direction.xyz, -to_light);
-                float cone = clamp(cosine * lights[i].direction.w + lights[i].spot_offset, 0.0, 1.0);
-                share *= cone * cone;
-            }
+// What light `i` adds at a point.
+vec3 one_light(Shading s, vec3 position, uint i) {
+    vec4 intensity = light_row(i, LIGHT_INTENSITY);
+    vec4 at = light_row(i, LIGHT_POSITION);
+    vec4 kinds = light_row(i, LIGHT_KINDS);
+    float kind = kinds.x;
+    vec3 to_light;
+    float share = 1.0;
+    float distance_m = 1.0;
+    if (HAS_DIRECTIONAL && kind == LIGHT_DIRECTIONAL) {
+        to_light = -light_row(i, LIGHT_DIRECTION).xyz;
+    } else {
+        vec3 offset = at.xyz - position;
+        float distance2 = dot(offset, offset);
+        if (distance2 >= intensity.w) {
+            return vec3(0.0);
         }
-        if (HAS_SHADOWS && lights[i].shadow != NO_SHADOW) {
-            uint view = lights[i].shadow;
-            if (HAS_POINT && kind == LIGHT_POINT) {
-                view += cube_face(-to_light);
-            }
-            share *= shadow_lookup(view, position, s.normal, distance_m);
-        }
-        if (share > 0.0) {
-            sum += reflected(s, to_light) * (intensity.rgb * share);
+        // A light on the surface: as if a tenth of a millimetre away.
+        distance2 = max(distance2, 1e-8);
+        to_light = offset * inversesqrt(distance2);
+        // Range window of KHR_lights_punctual.
+        float window = distance2 * at.w;
+        window = clamp(1.0 - window * window, 0.0, 1.0);
+        share = window / distance2;
+        distance_m = sqrt(distance2);
+        if (HAS_SPOT && kind == LIGHT_SPOT) {
+            vec4 direction = light_row(i, LIGHT_DIRECTION);
+            float cone = clamp(dot(direction.xyz, -to_light) * direction.w + kinds.z, 0.0, 1.0);
+            share *= cone * cone;
         }
     }
-    return sum;
+    share = dot(s.normal, to_light) > 0.0 ? share : 0.0;
+    if (HAS_SHADOWS && kinds.y >= 0.0 && share > 0.0) {
+        uint shadow = uint(kinds.y);
+        if (HAS_POINT && kind == LIGHT_POINT) {
+            shadow += cube_face(-to_light);
+        }
+        share *= shadow_lookup(shadow, position, s.normal, distance_m);
+    }
+    return share > 0.0 ? reflected(s, to_light) * (intensity.rgb * share) : vec3(0.0);
 }
 
 // Ambient light of the environment: irradiance by spherical harmonics (Ramamoorthi and Hanrahan
@@ -122,15 +116,9 @@ vec3 ambient(Shading s, vec3 albedo, float metallic, float roughness, float occl
     return (diffuse * (1.0 - specular) + radiance * specular) * occlusion;
 }
 
-// Radiance towards the eye of a surface at `position` (rel).
-vec3 lit_surface(Surface surface, vec3 position) {
-    if (surface.unlit) {
-        return surface.emissive;
-    }
-    float distance2 = dot(position, position);
-    vec3 view = distance2 > 0.0 ? -position * inversesqrt(distance2) : surface.normal;
-    Shading s = shading_of(surface.normal, view, surface.albedo, surface.metallic, surface.roughness);
-    vec3 radiance = punctual_lights(s, position);
+// The part of a surface's radiance that does not come from punctual lights.
+vec3 other_light(Shading s, Surface surface) {
+    vec3 radiance = vec3(0.0);
     if (HAS_ENVIRONMENT) {
         radiance += ambient(s, surface.albedo, surface.metallic, surface.roughness, surface.occlusion);
     }
@@ -138,4 +126,11 @@ vec3 lit_surface(Surface surface, vec3 position) {
         radiance += surface.emissive;
     }
     return radiance;
+}
+
+// How a surface at `position` (rel) looks from the eye.
+Shading shading_at(Surface surface, vec3 position) {
+    float distance2 = dot(position, position);
+    vec3 view = distance2 > 0.0 ? -position * inversesqrt(distance2) : surface.normal;
+    return shading_of(surface.normal, view, surface.albedo, surface.metallic, surface.roughness);
 }

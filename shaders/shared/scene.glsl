@@ -26,20 +26,9 @@ struct Material {
     TextureUse emissive_use;
 };
 
-const uint LIGHT_DIRECTIONAL = 0u;
-const uint LIGHT_POINT = 1u;
-const uint LIGHT_SPOT = 2u;
-const uint NO_SHADOW = 0xffffffffu;
-
-struct Light {
-    vec4 position;              // xyz in rel; w: 1 / range^2, 0 for no range
-    vec4 intensity;             // rgb; w: range^2, or a huge value for no range
-    vec4 direction;             // xyz unit, the way the light shines; w: spot scale
-    uint kind;
-    uint shadow;                // first shadow view, or NO_SHADOW
-    float spot_offset;
-    uint pad0;
-};
+const float LIGHT_DIRECTIONAL = 0.0;
+const float LIGHT_POINT = 1.0;
+const float LIGHT_SPOT = 2.0;
 
 struct ShadowView {
     mat4 clip_from_rel;         // reversed depth

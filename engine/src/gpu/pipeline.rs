@@ -166,12 +166,16 @@ pub(crate) fn write_set(
             .dst_binding(binding.binding)
             .descriptor_type(binding.kind.vk());
         let (buffer, image) = match (binding.kind, bind) {
-            (DescriptorKind::UniformBuffer | DescriptorKind::StorageBuffer, Bind::Buffer(buffer)) => {
-                (Some(*buffer), None)
-            }
-            (DescriptorKind::UniformBuffer | DescriptorKind::StorageBuffer, Bind::PerSlot(buffers)) => {
-                (Some(&buffers[slot]), None)
-            }
+            (
+                DescriptorKind::UniformBuffer
+                | DescriptorKind::StorageBuffer
+                | DescriptorKind::UniformTexelBuffer,
+                Bind::Buffer(_) | Bind::PerSlot(_),
+            ) => match bind {
+                Bind::PerSlot(buffers) => (Some(&buffers[slot]), None),
+                Bind::Buffer(buffer) => (Some(*buffer), None),
+                Bind::Image(_) | Bind::Sampled(..) => (None, None),
+            },
             (DescriptorKind::StorageImage | DescriptorKind::SampledImage, Bind::Image(image)) => {
                 (None, Some((*image, vk::Sampler::null())))
             }
@@ -180,6 +184,7 @@ pub(crate) fn write_set(
             }
             _ => unreachable!("{shader}: {} is bound to the wrong kind", binding.name),
         };
+        let texels = buffer.map(|buffer| [buffer.texel_view]);
         let buffers = buffer.map(|buffer| {
             [vk::DescriptorBufferInfo { buffer: buffer.buffer, offset: 0, range: vk::WHOLE_SIZE }]
         });
@@ -190,10 +195,13 @@ pub(crate) fn write_set(
                 image_layout: vk::ImageLayout::GENERAL,
             }]
         });
-        let write = match (&buffers, &images) {
-            (Some(buffers), _) => write.buffer_info(buffers),
-            (None, Some(images)) => write.image_info(images),
-            (None, None) => continue,
+        let write = match (&buffers, &texels, &images) {
+            (_, Some(texels), _) if binding.kind == DescriptorKind::UniformTexelBuffer => {
+                write.texel_buffer_view(texels)
+            }
+            (Some(buffers), _, _) => write.buffer_info(buffers),
+            (None, _, Some(images)) => write.image_info(images),
+            (None, _, None) => continue,
         };
         // SAFETY: the set is not in use yet, and the resources outlive it: the pass owns both.
         unsafe { context.device.update_descriptor_sets(&[write], &[]) };

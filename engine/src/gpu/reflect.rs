@@ -72,6 +72,8 @@ pub enum DescriptorKind {
     UniformBuffer,
     /// Storage block.
     StorageBuffer,
+    /// Buffer read as texels.
+    UniformTexelBuffer,
 }
 
 impl DescriptorKind {
@@ -84,6 +86,7 @@ impl DescriptorKind {
             Self::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
             Self::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
             Self::StorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
+            Self::UniformTexelBuffer => vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
         }
     }
 }

@@ -32,6 +32,8 @@ impl Location {
 pub struct Buffer {
     pub(crate) buffer: vk::Buffer,
     pub(crate) size: u64,
+    /// A view as texels of four floats, of buffers with that usage.
+    pub(crate) texel_view: vk::BufferView,
     allocation: Option<Allocation>,
     name: String,
     context: Arc<Context>,
@@ -56,8 +58,14 @@ impl Buffer {
         let buffer = Context::check(buffer, || format!("making the buffer {name}"))?;
         // SAFETY: the buffer was just made.
         let requirements = unsafe { context.device.get_buffer_memory_requirements(buffer) };
-        let mut made =
-            Self { buffer, size, allocation: None, name: name.to_owned(), context: context.clone() };
+        let mut made = Self {
+            buffer,
+            size,
+            texel_view: vk::BufferView::null(),
+            allocation: None,
+            name: name.to_owned(),
+            context: context.clone(),
+        };
         let allocation = allocate(context, name, requirements, location.memory(), true)?;
         // SAFETY: the memory is of a type and size that the buffer asked for.
         let bound =
@@ -65,6 +73,15 @@ impl Buffer {
         made.allocation = Some(allocation);
         Context::check(bound, || format!("binding memory to the buffer {name}"))?;
         context.set_name(buffer, name);
+        if usage.contains(vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER) {
+            let info = vk::BufferViewCreateInfo::default()
+                .buffer(buffer)
+                .format(vk::Format::R32G32B32A32_SFLOAT)
+                .range(vk::WHOLE_SIZE);
+            // SAFETY: the buffer is alive and bound to memory.
+            let view = unsafe { context.device.create_buffer_view(&info, None) };
+            made.texel_view = Context::check(view, || format!("making a view of {name}"))?;
+        }
         Ok(made)
     }
 
@@ -97,7 +114,10 @@ impl Buffer {
 impl Drop for Buffer {
     fn drop(&mut self) {
         // SAFETY: whoever recorded commands with this buffer waits for them before dropping it.
-        unsafe { self.context.device.destroy_buffer(self.buffer, None) };
+        unsafe {
+            self.context.device.destroy_buffer_view(self.texel_view, None);
+            self.context.device.destroy_buffer(self.buffer, None);
+        }
         if let Some(allocation) = self.allocation.take() {
             // Freeing fails only for an allocation that is not this allocator's.
             let _ = self.context.allocator().free(allocation);

@@ -103,7 +103,8 @@ gpu_layout!(Material, "Material" {
     occlusion_use, emissive_use,
 });
 
-/// `Light`
+/// A light as four texels of a buffer; `lighting_bindings.glsl` names the rows. All of it floats:
+/// texel fetches need not keep the bits of integers.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Light {
@@ -114,16 +115,16 @@ pub struct Light {
     /// Unit; w: spot scale.
     pub direction: [f32; 4],
     /// 0 directional, 1 point, 2 spot.
-    pub kind: u32,
-    /// First shadow view, or `u32::MAX`.
-    pub shadow: u32,
+    pub kind: f32,
+    /// First shadow view, or -1.
+    pub shadow: f32,
     /// Spot offset.
     pub spot_offset: f32,
     /// Unused.
-    pub pad0: u32,
+    pub pad0: f32,
 }
 
-gpu_layout!(Light, "Light" { position, intensity, direction, kind, shadow, spot_offset, pad0 });
+const _: () = assert!(size_of::<Light>() == 64, "four texels of 16 bytes");
 
 /// `ShadowView`
 #[repr(C)]
@@ -190,7 +191,6 @@ mod tests {
         check::<Instance>();
         check::<TextureUse>();
         check::<Material>();
-        check::<Light>();
         check::<ShadowView>();
         check::<SampleCounts>();
         check::<SdfCamera>();

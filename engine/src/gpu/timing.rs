@@ -5,7 +5,7 @@ use crate::error::Result;
 use ash::vk;
 use std::sync::Arc;
 
-/// A timestamp before the first and after every pass, for each frame slot.
+/// A timestamp before the first pass and after every pass, for each frame slot.
 pub struct Timestamps {
     pool: vk::QueryPool,
     per_slot: u32,
@@ -19,7 +19,7 @@ impl Timestamps {
     /// # Errors
     /// [`crate::Error::Vulkan`].
     pub fn new(context: &Arc<Context>, passes: u32, slots: u32) -> Result<Self> {
-        let per_slot = 2 * passes.max(1);
+        let per_slot = passes + 1;
         let info = vk::QueryPoolCreateInfo::default()
             .query_type(vk::QueryType::TIMESTAMP)
             .query_count(per_slot * slots);
@@ -39,12 +39,20 @@ impl Timestamps {
         };
     }
 
-    /// Writes the timestamp before (`0`) or after (`1`) a pass, once everything before is done.
-    pub fn write(&self, commands: vk::CommandBuffer, slot: u32, pass: u32, after: u32) {
-        let query = slot * self.per_slot + 2 * pass + after;
-        let stage = vk::PipelineStageFlags2::ALL_COMMANDS;
+    /// Writes the timestamp before the first pass (`boundary` 0) or after the pass before `boundary`,
+    /// once everything before is done. Nothing after begins before it is written: a driver may
+    /// otherwise write it late (lavapipe does so up to its next flush), and the time would be
+    /// another pass's.
+    pub fn write(&self, commands: vk::CommandBuffer, slot: u32, boundary: u32) {
+        let query = slot * self.per_slot + boundary;
+        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+        let barrier = [vk::MemoryBarrier2::default().src_stage_mask(all).dst_stage_mask(all)];
+        let info = vk::DependencyInfo::default().memory_barriers(&barrier);
         // SAFETY: `commands` is being recorded, and the query was reset in it.
-        unsafe { self.context.device.cmd_write_timestamp2(commands, stage, self.pool, query) };
+        unsafe {
+            self.context.device.cmd_write_timestamp2(commands, all, self.pool, query);
+            self.context.device.cmd_pipeline_barrier2(commands, &info);
+        }
     }
 
     /// Milliseconds of each of the first `passes` passes of a finished frame, into `out`.
@@ -52,7 +60,7 @@ impl Timestamps {
     /// # Errors
     /// [`crate::Error::Vulkan`].
     pub fn read(&self, slot: u32, passes: usize, out: &mut Vec<f64>) -> Result<()> {
-        let mut ticks = vec![0u64; 2 * passes];
+        let mut ticks = vec![0u64; passes + 1];
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
         // SAFETY: the queries were written by a submitted frame.
         let result = unsafe {
@@ -61,9 +69,7 @@ impl Timestamps {
         Context::check(result, || "reading timestamps".into())?;
         let period_ns = f64::from(self.context.limits.timestamp_period);
         out.clear();
-        out.extend(
-            ticks.chunks_exact(2).map(|pair| pair[1].saturating_sub(pair[0]) as f64 * period_ns * 1e-6),
-        );
+        out.extend(ticks.windows(2).map(|pair| pair[1].saturating_sub(pair[0]) as f64 * period_ns * 1e-6));
         Ok(())
     }
 }

@@ -110,17 +110,17 @@ impl<F> Plan<F> {
         frame: &F,
     ) {
         times.reset(commands, slot);
-        for (index, step) in (0u32..).zip(&self.steps) {
+        times.write(commands, slot, 0);
+        for (boundary, step) in (1u32..).zip(&self.steps) {
             if let Some(barrier) = step.barrier {
                 record_barrier(context, commands, barrier);
             }
-            times.write(commands, slot, index, 0);
             if step.pass.wanted(frame) {
                 context.begin_label(commands, &step.label);
                 step.pass.record(commands, frame);
                 context.end_label(commands);
             }
-            times.write(commands, slot, index, 1);
+            times.write(commands, slot, boundary);
         }
         record_barrier(context, commands, HOST_READ);
     }

@@ -74,7 +74,7 @@ fn lighting_binds<'a>(
     let environment = &scene.environment;
     vec![
         ("Frame", Bind::PerSlot(&buffers.frame)),
-        ("Lights", Bind::PerSlot(&buffers.lights)),
+        ("lights", Bind::PerSlot(&buffers.lights)),
         ("ShadowViews", Bind::PerSlot(&buffers.shadow_views)),
         ("Instances", Bind::PerSlot(&buffers.instances)),
         ("Materials", Bind::Buffer(scene.material_buffer())),

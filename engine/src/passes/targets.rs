@@ -196,7 +196,7 @@ impl FrameBuffers {
             lights: slots(
                 "lights",
                 size(size_of::<structs::Light>(), count(|s| s.lights.len())),
-                storage,
+                vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER,
                 up,
             )?,
             shadow_views: slots(

@@ -85,12 +85,12 @@ const NO_RANGE2: f32 = 1e30;
 fn light_record(light: &Light, eye: DVec3, first_view: Option<u32>) -> structs::Light {
     let position = (light.position - eye).as_vec3();
     let (kind, range, spot) = match light.kind {
-        LightKind::Directional => (0, f32::INFINITY, [0.0, 1.0]),
-        LightKind::Point { range } => (1, range, [0.0, 1.0]),
+        LightKind::Directional => (0.0, f32::INFINITY, [0.0, 1.0]),
+        LightKind::Point { range } => (1.0, range, [0.0, 1.0]),
         LightKind::Spot { range, inner_angle, outer_angle } => {
             let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
             let scale = 1.0 / (inner - outer).max(1e-3);
-            (2, range, [scale, -outer * scale])
+            (2.0, range, [scale, -outer * scale])
         }
     };
     let range2 = range * range;
@@ -100,9 +100,9 @@ fn light_record(light: &Light, eye: DVec3, first_view: Option<u32>) -> structs::
         intensity: light.intensity.extend(if finite { range2 } else { NO_RANGE2 }).to_array(),
         direction: light.direction.as_vec3().extend(spot[0]).to_array(),
         kind,
-        shadow: first_view.unwrap_or(u32::MAX),
+        shadow: first_view.map_or(-1.0, |view| view as f32),
         spot_offset: spot[1],
-        pad0: 0,
+        pad0: 0.0,
     }
 }
 

@@ -1,7 +1,7 @@
 //! The generated default scene: a columned hall with sunlight and lamps, as a binary glTF file.
 //!
 //! The same options give the same bytes on any machine: the geometry comes from arithmetic that
-//! IEEE 754 fixes ([`math`]), and its random numbers from an own generator.
+//! IEEE 754 fixes (`hall/math.rs`), and its random numbers from an own generator.
 
 mod furnish;
 mod glb;

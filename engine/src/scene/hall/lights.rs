@@ -95,7 +95,7 @@ fn fixtures() -> Vec<Lamp> {
 
 /// One of the many small lamps beyond the fixtures: along the cornices, the vault and the aisles.
 fn small_lamp(random: &mut Random, number: usize) -> Lamp {
-    let side = if number % 2 == 0 { -1.0 } else { 1.0 };
+    let side = if number.is_multiple_of(2) { -1.0 } else { 1.0 };
     let z = random.range(-HALF_LENGTH + 0.5, HALF_LENGTH - 0.5);
     let (warm, range) = (random.unit() < 0.6, random.range(8.0, 12.0));
     let color = if warm { WARM } else { COOL };

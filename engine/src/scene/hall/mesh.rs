@@ -78,11 +78,6 @@ impl Mesh {
         Self { name, parts: Vec::new(), triangles: 0, frame: DAffine3::IDENTITY, detail }
     }
 
-    /// How finely surfaces are divided.
-    pub fn detail(&self) -> Detail {
-        self.detail
-    }
-
     /// Shorthand for [`Detail::shows`].
     pub fn shows(&self, level: f64) -> bool {
         self.detail.shows(level)

@@ -226,7 +226,7 @@ fn nave_wall(detail: Detail) -> Mesh {
     let low = dvec3(-0.1, SPRING + ARCH_HALF - 0.02, -0.2);
     shapes::block(&mut mesh, M::ColumnMarble, low, low + dvec3(0.28, 0.46, 0.4), 0.03, true);
     let axes = DMat3::from_cols(DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y);
-    mesh.frame = DAffine3 { matrix3: axes.into(), translation: dvec3(0.18, 8.13, 0.0) };
+    mesh.frame = DAffine3 { matrix3: axes, translation: dvec3(0.18, 8.13, 0.0) };
     let segments = [mesh.segments(20.0, 6), mesh.segments(4.0, 2)];
     shapes::rosette(&mut mesh, M::GiltOrnament, 0.15, 6.0, segments);
     mesh

@@ -29,7 +29,7 @@ fn checked_triangles(bytes: &[u8]) -> u64 {
                 assert!(tangent[3].abs() == 1.0);
             }
             assert!(positions.iter().all(|p| p.is_finite()) && uvs.iter().flatten().all(|x| x.is_finite()));
-            assert!(indices.len() % 3 == 0 && !indices.is_empty());
+            assert!(indices.len().is_multiple_of(3) && !indices.is_empty());
             let mut against = 0;
             for corners in indices.chunks_exact(3) {
                 let [a, b, c] = [0, 1, 2].map(|k| corners[k] as usize);
