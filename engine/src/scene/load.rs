@@ -18,7 +18,7 @@ mod geometry;
 mod lights;
 mod material;
 mod nodes;
-mod schema;
+mod parse;
 mod shading;
 #[cfg(test)]
 mod tests;
@@ -92,7 +92,7 @@ struct Drawn {
 }
 
 /// A mesh's primitive, and by which weights it is morphed.
-type Shape = (usize, usize, Vec<u64>);
+type Shape = (usize, usize, Vec<u32>);
 
 struct Builder<'a> {
     context: &'a Context<'a>,
@@ -109,15 +109,16 @@ impl Builder<'_> {
         let node = &self.context.document.root.nodes[index];
         let user = label("node", index, node.name.as_deref());
         let world = self.hierarchy.world[index];
-        if let Some(light) = &node.extensions.light {
-            self.scene.lights.extend(lights::light(self.context, light.light, &world, &user)?);
+        let extensions = node.extensions.as_ref();
+        if let Some(light) = extensions.and_then(|all| all.khr_lights_punctual.as_ref()) {
+            self.scene.lights.extend(lights::light(self.context, light.light.value(), &world, &user)?);
         }
         if let Some(camera) = node.camera {
             let name = node.name.as_deref().filter(|name| !name.is_empty());
-            self.scene.cameras.extend(lights::camera(self.context, camera, name, &world, &user)?);
+            self.scene.cameras.extend(lights::camera(self.context, camera.value(), name, &world, &user)?);
         }
         match node.mesh {
-            Some(mesh) => self.add_mesh(index, mesh, &user),
+            Some(mesh) => self.add_mesh(index, mesh.value(), &user),
             None => Ok(()),
         }
     }
@@ -129,7 +130,7 @@ impl Builder<'_> {
         let invertible = nodes::is_invertible(&world);
         let joints = match root.nodes[node].skin {
             Some(skin) if file.primitives.iter().any(deform::is_skinnable) => {
-                Some(deform::joint_matrices(self.context, self.hierarchy, skin)?)
+                Some(deform::joint_matrices(self.context, self.hierarchy, skin.value())?)
             }
             Some(_) => {
                 self.context.warn(format!("{user}: its mesh has no joints and is not skinned"));
@@ -137,7 +138,7 @@ impl Builder<'_> {
             }
             None => None,
         };
-        let weights = self.hierarchy.weights[node].as_deref().unwrap_or(&file.weights);
+        let weights = self.hierarchy.weights[node].as_deref().or(file.weights.as_deref()).unwrap_or_default();
         for (index, primitive) in file.primitives.iter().enumerate() {
             // A thousand nodes may use a mesh of a thousand primitives.
             self.context.charge(1, size_of::<Instance>(), user)?;
@@ -151,7 +152,7 @@ impl Builder<'_> {
                 self.context.warn(format!("{user} ignored: its transform is singular or not finite"));
                 continue;
             }
-            let used = &weights[..weights.len().min(primitive.targets.len())];
+            let used = &weights[..weights.len().min(primitive.targets.as_ref().map_or(0, Vec::len))];
             let shape = (mesh, index, used.iter().map(|weight| weight.to_bits()).collect());
             let drawn = match self.known.get(&shape) {
                 Some(&known) => known,
@@ -172,7 +173,7 @@ impl Builder<'_> {
         &mut self,
         mesh: usize,
         index: usize,
-        weights: &[f64],
+        weights: &[f32],
         joints: Option<&[DMat4]>,
     ) -> Outcome<Option<(Drawn, DVec3)>> {
         let context = self.context;
@@ -180,7 +181,7 @@ impl Builder<'_> {
         let primitive = &file.primitives[index];
         let user = format!("{}, primitive {index}", label("mesh", mesh, file.name.as_deref()));
         let material = match primitive.material {
-            Some(material) => Some(self.materials.index(context, material, &user)?),
+            Some(material) => Some(self.materials.index(context, material.value(), &user)?),
             None => None,
         };
         let used = material.map(|material| &self.materials.list[material]);

@@ -4,41 +4,12 @@
 
 use glam::{DMat4, Vec2, Vec3, Vec4};
 
+use gltf::json::Index;
+use gltf::json::accessor::{ComponentType as Component, Type, sparse};
+use gltf::json::buffer::View;
+use gltf::json::validation::{Checked, USize64};
+
 use super::context::{Context, Outcome, get};
-use super::schema;
-
-/// A component's type.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
-}
-
-impl Component {
-    fn new(code: u64) -> Option<Self> {
-        Some(match code {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            _ => return None,
-        })
-    }
-
-    fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-}
 
 /// An array of elements in a buffer, each within its bounds.
 #[derive(Debug)]
@@ -87,20 +58,27 @@ impl<'a> Array<'a> {
 impl<'a> Accessor<'a> {
     /// Opens an accessor for `user`, as messages call it; its elements must have one of `lanes`
     /// numbers.
-    pub fn open(context: &Context<'a>, index: usize, user: &str, lanes: &[usize]) -> Outcome<Self> {
+    pub fn open(
+        context: &Context<'a>,
+        index: Index<gltf::json::Accessor>,
+        user: &str,
+        lanes: &[usize],
+    ) -> Outcome<Self> {
         let document = context.document;
+        let index = index.value();
         let accessor = get(&document.root.accessors, "accessor", index, user)?;
         let broken = |what: String| format!("{user}: accessor {index} {what}");
-        let component = Component::new(accessor.component_type)
-            .ok_or_else(|| broken(format!("has the unknown component type {}", accessor.component_type)))?;
-        let found = lanes_of(&accessor.shape).filter(|found| lanes.contains(found)).ok_or_else(|| {
-            let shape: String = accessor.shape.chars().take(20).flat_map(char::escape_debug).collect();
+        let Checked::Valid(component) = accessor.component_type else {
+            return Err(broken("has an unknown component type".to_owned()));
+        };
+        let component = component.0;
+        let found = lanes_of(accessor.type_).filter(|found| lanes.contains(found)).ok_or_else(|| {
             let expected: Vec<_> = lanes.iter().map(|&lanes| shape_of(lanes)).collect();
-            broken(format!("is of type {shape}; {} expected", expected.join(" or ")))
+            broken(format!("is of {}; {} expected", type_name(accessor.type_), expected.join(" or ")))
         })?;
         // Vertices are counted in 32 bits everywhere.
-        let count = u32::try_from(accessor.count)
-            .map_err(|_| broken(format!("has the impossible count {}", accessor.count)))?
+        let count = u32::try_from(accessor.count.0)
+            .map_err(|_| broken(format!("has the impossible count {}", accessor.count.0)))?
             as usize;
         let size = component.size() * found;
         let beyond = || broken("reaches beyond the end of its buffer view".to_owned());
@@ -108,14 +86,13 @@ impl<'a> Accessor<'a> {
             None => None,
             Some(view) => {
                 let (view, bytes) = document.view(view, user)?;
-                let stride = match view.byte_stride {
-                    None | Some(0) => size,
-                    Some(stride) => usize::try_from(stride).map_err(|_| beyond())?,
-                };
+                let stride = view.byte_stride.map_or(0, |stride| stride.0);
+                let stride = if stride == 0 { size } else { stride };
                 if stride < size {
                     return Err(broken(format!("has elements of {size} bytes only {stride} bytes apart")));
                 }
-                Some(Array::new(bytes, accessor.byte_offset, stride, size, count).ok_or_else(beyond)?)
+                let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
+                Some(Array::new(bytes, offset, stride, size, count).ok_or_else(beyond)?)
             }
         };
         let sparse = match &accessor.sparse {
@@ -191,21 +168,23 @@ impl<'a> Accessor<'a> {
 
 fn open_sparse<'a>(
     context: &Context<'a>,
-    sparse: &schema::Sparse,
+    sparse: &sparse::Sparse,
     size: usize,
     count: usize,
     user: &str,
 ) -> Outcome<(Array<'a>, Component, Array<'a>)> {
-    let replaced = usize::try_from(sparse.count).unwrap_or(usize::MAX);
+    let replaced = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
     if replaced > count {
         return Err(format!("replaces {replaced} of {count} elements"));
     }
-    let component = Component::new(sparse.indices.component_type)
-        .filter(|kind| matches!(kind, Component::U8 | Component::U16 | Component::U32))
-        .ok_or("has sparse indices that are not unsigned integers")?;
-    let open = |view: usize, offset: u64, size: usize| {
+    // The crate knows no other types of indices.
+    let Checked::Valid(component) = sparse.indices.component_type else {
+        return Err("has sparse indices that are not unsigned integers".to_owned());
+    };
+    let component = component.0;
+    let open = |view: Index<View>, offset: USize64, size: usize| {
         let (_, bytes) = context.document.view(view, user)?;
-        Array::new(bytes, offset, size, size, replaced)
+        Array::new(bytes, offset.0, size, size, replaced)
             .ok_or_else(|| "has sparse data that reach beyond the end of their buffer view".to_owned())
     };
     let indices = open(sparse.indices.buffer_view, sparse.indices.byte_offset, component.size())?;
@@ -223,15 +202,25 @@ fn open_sparse<'a>(
     Ok((indices, component, values))
 }
 
-fn lanes_of(shape: &str) -> Option<usize> {
-    Some(match shape {
-        "SCALAR" => 1,
-        "VEC2" => 2,
-        "VEC3" => 3,
-        "VEC4" => 4,
-        "MAT4" => 16,
-        _ => return None,
-    })
+/// `None` for what nothing in a scene is made of: the smaller matrices, whose columns are padded.
+fn lanes_of(shape: Checked<Type>) -> Option<usize> {
+    match shape {
+        Checked::Valid(Type::Mat2 | Type::Mat3) | Checked::Invalid => None,
+        Checked::Valid(shape) => Some(shape.multiplicity()),
+    }
+}
+
+fn type_name(shape: Checked<Type>) -> &'static str {
+    match shape {
+        Checked::Valid(Type::Scalar) => "type SCALAR",
+        Checked::Valid(Type::Vec2) => "type VEC2",
+        Checked::Valid(Type::Vec3) => "type VEC3",
+        Checked::Valid(Type::Vec4) => "type VEC4",
+        Checked::Valid(Type::Mat2) => "type MAT2",
+        Checked::Valid(Type::Mat3) => "type MAT3",
+        Checked::Valid(Type::Mat4) => "type MAT4",
+        Checked::Invalid => "an unknown type",
+    }
 }
 
 fn shape_of(lanes: usize) -> &'static str {

@@ -5,10 +5,14 @@ use std::collections::hash_map::Entry;
 
 use glam::{DQuat, DVec3};
 
+use gltf::json::Index;
+use gltf::json::animation::{Channel, Interpolation, Property, Sampler};
+use gltf::json::validation::Checked;
+
 use super::accessor::Accessor;
 use super::context::{Context, Outcome, get, label};
 use super::nodes::{Pose, quaternion};
-use super::schema::{self, Channel};
+use super::parse;
 
 /// Keys around the wanted time: the index of the one before, and if there is one after, how far
 /// the time has come towards it (0 to 1) and how many seconds lie between the two.
@@ -29,7 +33,7 @@ pub fn apply(context: &Context, time_s: f64, poses: &mut [Pose]) -> Outcome<()> 
     if root.animations.len() > 1 {
         context.warn(format!("{name} plays; the other {} ignored", root.animations.len() - 1));
     }
-    let mut inputs: HashMap<usize, Vec<f64>> = HashMap::new();
+    let mut inputs: HashMap<Index<gltf::json::Accessor>, Vec<f64>> = HashMap::new();
     let mut length_s = 0.0f64;
     for sampler in &animation.samplers {
         if let Entry::Vacant(unread) = inputs.entry(sampler.input) {
@@ -41,14 +45,14 @@ pub fn apply(context: &Context, time_s: f64, poses: &mut [Pose]) -> Outcome<()> 
     let time_s = if within || length_s <= 0.0 { time_s } else { time_s.rem_euclid(length_s) };
     for (index, channel) in animation.channels.iter().enumerate() {
         let user = format!("{name}, channel {index}");
-        let Some(node) = channel.target.node else {
+        let Some(node) = parse::optional(channel.target.node) else {
             context.warn(format!("{user} ignored: it moves no node"));
             continue;
         };
         let pose = poses
             .get_mut(node)
             .ok_or_else(|| format!("{user} names node {node}, but the file has {}", root.nodes.len()))?;
-        let sampler = get(&animation.samplers, "sampler", channel.sampler, &user)?;
+        let sampler = get(&animation.samplers, "sampler", channel.sampler.value(), &user)?;
         // Every sampler's input was read above.
         let keys = inputs.get(&sampler.input).map_or(&[][..], Vec::as_slice);
         apply_channel(context, channel, sampler, keys, time_s, pose, &user)?;
@@ -57,7 +61,7 @@ pub fn apply(context: &Context, time_s: f64, poses: &mut [Pose]) -> Outcome<()> 
 }
 
 /// The times of a sampler, checked to rise.
-fn read_keys(context: &Context, input: usize, name: &str) -> Outcome<Vec<f64>> {
+fn read_keys(context: &Context, input: Index<gltf::json::Accessor>, name: &str) -> Outcome<Vec<f64>> {
     let user = format!("{name}, times");
     let accessor = Accessor::open(context, input, &user, &[1])?;
     context.charge(accessor.count, size_of::<f64>(), &user)?;
@@ -72,20 +76,20 @@ fn read_keys(context: &Context, input: usize, name: &str) -> Outcome<Vec<f64>> {
 fn apply_channel(
     context: &Context,
     channel: &Channel,
-    sampler: &schema::AnimationSampler,
+    sampler: &Sampler,
     keys: &[f64],
     time_s: f64,
     pose: &mut Pose,
     user: &str,
 ) -> Outcome<()> {
-    let lanes: &[usize] = match channel.target.path.as_str() {
-        "translation" | "scale" => &[3],
-        "rotation" => &[4],
-        "weights" => &[1],
-        _ => {
-            context.warn(format!("{user} ignored: what it moves is unknown"));
-            return Ok(());
-        }
+    let Checked::Valid(property) = channel.target.path else {
+        context.warn(format!("{user} ignored: what it moves is unknown"));
+        return Ok(());
+    };
+    let lanes: &[usize] = match property {
+        Property::Translation | Property::Scale => &[3],
+        Property::Rotation => &[4],
+        Property::MorphTargetWeights => &[1],
     };
     if pose.matrix.is_some() && lanes != [1] {
         context.warn(format!("{user} ignored: its node has a matrix"));
@@ -97,14 +101,14 @@ fn apply_channel(
     };
     let output = Accessor::open(context, sampler.output, user, lanes)?;
     let curve = Curve::new(sampler, &output, keys.len(), lanes == [1], user)?;
-    match channel.target.path.as_str() {
-        "translation" => pose.translation = DVec3::from_array(curve.value(place, 0)),
-        "scale" => pose.scale = DVec3::from_array(curve.value(place, 0)),
-        "rotation" => pose.rotation = curve.rotation(place),
+    match property {
+        Property::Translation => pose.translation = DVec3::from_array(curve.value(place, 0)),
+        Property::Scale => pose.scale = DVec3::from_array(curve.value(place, 0)),
+        Property::Rotation => pose.rotation = curve.rotation(place),
         // The mesh's targets are not known here; what is too much is never read.
-        _ => {
-            context.charge(curve.width, size_of::<f64>(), user)?;
-            pose.weights = Some((0..curve.width).map(|i| curve.value::<1>(place, i)[0]).collect());
+        Property::MorphTargetWeights => {
+            context.charge(curve.width, size_of::<f32>(), user)?;
+            pose.weights = Some((0..curve.width).map(|i| curve.value::<1>(place, i)[0] as f32).collect());
         }
     }
     if pose.is_finite() { Ok(()) } else { Err(format!("{user} leads to numbers that are not finite")) }
@@ -129,28 +133,18 @@ struct Curve<'a> {
     width: usize,
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Interpolation {
-    Step,
-    Linear,
-    Cubic,
-}
-
 impl<'a> Curve<'a> {
     fn new(
-        sampler: &schema::AnimationSampler,
+        sampler: &Sampler,
         values: &'a Accessor<'a>,
         keys: usize,
         many: bool,
         user: &str,
     ) -> Outcome<Self> {
-        let interpolation = match sampler.interpolation.as_deref() {
-            None | Some("LINEAR") => Interpolation::Linear,
-            Some("STEP") => Interpolation::Step,
-            Some("CUBICSPLINE") => Interpolation::Cubic,
-            Some(_) => return Err(format!("{user} has an unknown interpolation")),
+        let Checked::Valid(interpolation) = sampler.interpolation else {
+            return Err(format!("{user} has an unknown interpolation"));
         };
-        let for_each = if interpolation == Interpolation::Cubic { 3 } else { 1 };
+        let for_each = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         let groups = keys.saturating_mul(for_each);
         let width = if many { values.count / groups.max(1) } else { 1 };
         if width.saturating_mul(groups) > values.count {
@@ -161,7 +155,7 @@ impl<'a> Curve<'a> {
 
     /// Element `item` of key `key`; `part` of a cubic key is 0, 1 or 2: tangent in, value, tangent out.
     fn at<const N: usize>(&self, key: usize, part: usize, item: usize) -> [f64; N] {
-        let group = if self.interpolation == Interpolation::Cubic { key * 3 + part } else { key };
+        let group = if self.interpolation == Interpolation::CubicSpline { key * 3 + part } else { key };
         std::array::from_fn(|lane| f64::from(self.values.number(group * self.width + item, lane)))
     }
 
@@ -174,7 +168,7 @@ impl<'a> Curve<'a> {
         match self.interpolation {
             Interpolation::Step => before,
             Interpolation::Linear => std::array::from_fn(|i| before[i] + (after[i] - before[i]) * t),
-            Interpolation::Cubic => {
+            Interpolation::CubicSpline => {
                 let leave: [f64; N] = self.at(place.key, 2, item);
                 let arrive: [f64; N] = self.at(place.key + 1, 0, item);
                 let (t2, t3) = (t * t, t * t * t);

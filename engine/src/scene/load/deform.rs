@@ -2,11 +2,13 @@
 
 use glam::{DMat3, DMat4, DVec3, Vec3};
 
+use gltf::json::Index;
+use gltf::json::mesh::{Primitive, Semantic};
+
 use super::accessor::Accessor;
 use super::context::{Context, Outcome, get, label};
-use super::geometry::Surface;
+use super::geometry::{Surface, attribute};
 use super::nodes::{Hierarchy, affine};
-use super::schema::Primitive;
 
 /// World space is moved to the mesh where it lies farther out than this, so that 32 bits hold it.
 const FAR_METRES: f64 = 1024.0;
@@ -16,18 +18,18 @@ pub fn morph(
     context: &Context,
     surface: &mut Surface,
     primitive: &Primitive,
-    weights: &[f64],
+    weights: &[f32],
     user: &str,
 ) -> Outcome<()> {
-    for (index, (target, &weight)) in primitive.targets.iter().zip(weights).enumerate() {
+    for (index, (target, &weight)) in primitive.targets.iter().flatten().zip(weights).enumerate() {
         if weight == 0.0 {
             continue;
         }
         let user = format!("{user}, morph target {index}");
         // A mesh can have many targets that all show the same data.
         context.work(surface.source.len() as u64, &user)?;
-        let open = |name: &str| -> Outcome<Option<Accessor>> {
-            let Some(&accessor) = target.get(name) else {
+        let open = |accessor: Option<Index<_>>, name: &str| -> Outcome<Option<Accessor>> {
+            let Some(accessor) = accessor else {
                 return Ok(None);
             };
             let user = format!("{user}, {name}");
@@ -39,8 +41,9 @@ pub fn morph(
                 _ => Ok(Some(accessor)),
             }
         };
-        let (positions, normals, tangents) = (open("POSITION")?, open("NORMAL")?, open("TANGENT")?);
-        let weight = weight as f32;
+        let positions = open(target.positions, "POSITION")?;
+        let normals = open(target.normals, "NORMAL")?;
+        let tangents = open(target.tangents, "TANGENT")?;
         for (vertex, &element) in surface.source.iter().enumerate() {
             let delta = |accessor: &Option<Accessor>| {
                 accessor.as_ref().map(|accessor| accessor.vec3(element as usize) * weight)
@@ -82,6 +85,7 @@ pub fn joint_matrices(context: &Context, hierarchy: &Hierarchy, index: usize) ->
     context.work(skin.joints.len() as u64, &user)?;
     let mut joints = Vec::with_capacity(skin.joints.len());
     for (joint, &node) in skin.joints.iter().enumerate() {
+        let node = node.value();
         get(&root.nodes, "node", node, &user)?;
         let bind = inverse_bind.as_ref().map_or(DMat4::IDENTITY, |matrices| affine(matrices.mat4(joint)));
         let matrix = hierarchy.world[node] * bind;
@@ -126,7 +130,8 @@ impl Influences<'_> {
 
 /// Whether a primitive has what a skin needs.
 pub fn is_skinnable(primitive: &Primitive) -> bool {
-    primitive.attributes.contains_key("JOINTS_0") && primitive.attributes.contains_key("WEIGHTS_0")
+    attribute(primitive, Semantic::Joints(0)).is_some()
+        && attribute(primitive, Semantic::Weights(0)).is_some()
 }
 
 /// Brings the surface into world space by its skin. Returns where in the world its origin lies.
@@ -187,8 +192,8 @@ fn open_influences<'a>(
     let last = surface.source.iter().max().map_or(0, |&last| last as usize);
     let mut sets = Vec::new();
     for set in 0..2 {
-        let names = [format!("JOINTS_{set}"), format!("WEIGHTS_{set}")];
-        let [Some(&joints), Some(&weights)] = [0, 1].map(|i| primitive.attributes.get(&names[i])) else {
+        let attributes = [Semantic::Joints(set), Semantic::Weights(set)];
+        let [Some(joints), Some(weights)] = attributes.map(|name| attribute(primitive, name)) else {
             break;
         };
         let open = |accessor, name: &str| {
@@ -199,13 +204,14 @@ fn open_influences<'a>(
                 false => Err(format!("{user}: {} elements are too few", accessor.count)),
             }
         };
-        let (joints, weights) = (open(joints, &names[0])?, open(weights, &names[1])?.normalized());
+        let joints = open(joints, &format!("JOINTS_{set}"))?;
+        let weights = open(weights, &format!("WEIGHTS_{set}"))?.normalized();
         if !joints.is_integer() {
-            return Err(format!("{user}, {}: not unsigned integers", names[0]));
+            return Err(format!("{user}, JOINTS_{set}: not unsigned integers"));
         }
         sets.push((joints, weights));
     }
-    if primitive.attributes.contains_key("JOINTS_2") {
+    if attribute(primitive, Semantic::Joints(2)).is_some() {
         context.warn(format!("{user}: more than eight joints for a vertex; the others ignored"));
     }
     Ok(sets)

@@ -6,21 +6,28 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use gltf::Glb;
+use gltf::binary::{ChunkType, Error as GlbError};
+use gltf::json::buffer::View;
+use gltf::json::extensions::scene::khr_lights_punctual::Light;
+use gltf::json::{Index, Root};
+
 use super::context::{Context, Outcome, get, label};
-use super::schema::{self, Head, Root};
+use super::parse::{self, Parsed};
 use super::uri::{self, Uri};
 use crate::error::{Error, Result};
 
 /// The document may be this large, and so may be all that it refers to together.
 const MAX_FILE_BYTES: u64 = 2 << 30;
 
-/// An empty object is two bytes in the file and hundreds in memory.
-const MAX_JSON_OBJECTS: usize = 2_000_000;
+/// An object is a few bytes in the file and up to a thousand in memory.
+const MAX_JSON_OBJECTS: usize = 1_000_000;
 
-/// An empty string in an array is three bytes in the file and 24 in memory.
-const MAX_JSON_ITEMS: usize = 64_000_000;
+/// A number in an array is two bytes in the file and 32 in memory.
+const MAX_JSON_ITEMS: usize = 16_000_000;
 
-const KNOWN_EXTENSIONS: [&str; 6] = [
+/// What is read; whatever other extensions a file merely uses is ignored.
+pub const KNOWN_EXTENSIONS: [&str; 6] = [
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -33,6 +40,8 @@ const KNOWN_EXTENSIONS: [&str; 6] = [
 pub struct Document {
     /// The file's JSON.
     pub root: Root,
+    /// See [`Parsed::origins`].
+    pub origins: Vec<Option<[f64; 3]>>,
     folder: PathBuf,
     /// What the file holds; a GLB's binary chunk is a part of it.
     bytes: Vec<u8>,
@@ -61,13 +70,17 @@ impl Document {
         // Not allowed by the specification, and harmless.
         let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
         check_size(json)?;
-        check_version(json)?;
-        let root: Root =
-            serde_json::from_slice(json).map_err(|e| format!("the JSON is not glTF 2.0: {e}"))?;
+        let Parsed { root, origins } = parse::parse(json)?;
         let buffers = root.buffers.iter().map(|_| OnceLock::new()).collect();
         let folder = path.parent().map(Path::to_owned).unwrap_or_default();
         let unread = AtomicU64::new(MAX_FILE_BYTES);
-        Ok(Self { root, folder, bytes, binary_chunk, buffers, unread })
+        Ok(Self { root, origins, folder, bytes, binary_chunk, buffers, unread })
+    }
+
+    /// The lights that nodes can hold.
+    pub fn lights(&self) -> &[Light] {
+        let extension = self.root.extensions.as_ref().and_then(|all| all.khr_lights_punctual.as_ref());
+        extension.map_or(&[], |extension| &extension.lights)
     }
 
     /// The bytes of a buffer, exactly as many as it promises.
@@ -83,7 +96,9 @@ impl Document {
             (None, Some(chunk)) if index == 0 => &self.bytes[chunk.clone()],
             (None, _) => return Err(format!("{} has no data", name())),
         };
-        let promised = buffer.byte_length.unwrap_or(bytes.len() as u64);
+        // The format demands a length and knows none of 0, which is what the crate takes it for
+        // where it is left out.
+        let promised = if buffer.byte_length.0 == 0 { bytes.len() as u64 } else { buffer.byte_length.0 };
         usize::try_from(promised)
             .ok()
             .and_then(|promised| bytes.get(..promised))
@@ -91,16 +106,17 @@ impl Document {
     }
 
     /// The bytes of a buffer view.
-    pub fn view(&self, index: usize, user: &str) -> Outcome<(&schema::BufferView, &[u8])> {
+    pub fn view(&self, index: Index<View>, user: &str) -> Outcome<(&View, &[u8])> {
+        let index = index.value();
         let view = get(&self.root.buffer_views, "buffer view", index, user)?;
-        let buffer = self.buffer(view.buffer, &label("buffer view", index, None))?;
-        let start = usize::try_from(view.byte_offset).ok();
-        let end = view.byte_offset.checked_add(view.byte_length).and_then(|end| usize::try_from(end).ok());
+        let buffer = self.buffer(view.buffer.value(), &label("buffer view", index, None))?;
+        let offset = view.byte_offset.map_or(0, |offset| offset.0);
+        let start = usize::try_from(offset).ok();
+        let end = offset.checked_add(view.byte_length.0).and_then(|end| usize::try_from(end).ok());
         let bytes = start.zip(end).and_then(|(start, end)| buffer.get(start..end)).ok_or_else(|| {
             format!(
-                "buffer view {index} takes {} bytes from {} on of buffer {}, which has {}",
-                view.byte_length,
-                view.byte_offset,
+                "buffer view {index} takes {} bytes from {offset} on of buffer {}, which has {}",
+                view.byte_length.0,
                 view.buffer,
                 buffer.len()
             )
@@ -161,47 +177,70 @@ fn check_is_json(path: &Path, bytes: &[u8]) -> Outcome<()> {
     }
 }
 
+/// The sizes of a GLB's header and of those of its chunks, and where its JSON begins.
+const GLB_HEADER: usize = 12;
+const CHUNK_HEADER: usize = 8;
+const GLB_JSON: usize = GLB_HEADER + CHUNK_HEADER;
+
+const NO_JSON_CHUNK: &str = "the GLB has no JSON chunk at its beginning";
+
 type Chunks = (std::ops::Range<usize>, Option<std::ops::Range<usize>>);
 
 /// Where a GLB's JSON and binary chunks lie.
 fn split_glb(bytes: &[u8]) -> Outcome<Chunks> {
-    let word = |at: usize| {
-        let word = bytes.get(at..at.checked_add(4)?)?;
-        Some(u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
-    };
-    let (Some(version), Some(length)) = (word(4), word(8)) else {
+    let Some(&[a, b, c, d]) = bytes.get(8..12) else {
         return Err("the GLB header is cut off".to_owned());
     };
-    if version != 2 {
-        return Err(format!("is a GLB of version {version}; version 2 is read"));
+    let length = u32::from_le_bytes([a, b, c, d]) as usize;
+    // The crate takes the header's length from this one without a look.
+    if length < GLB_HEADER {
+        return Err(format!("the GLB promises {length} bytes, fewer than its header has"));
     }
-    let length = length as usize;
-    if length > bytes.len() {
-        return Err(format!("the GLB promises {length} bytes and has {}", bytes.len()));
-    }
-    let (mut json, mut binary) = (None, None);
-    let mut at = 12usize;
     // What follows after the promised length is no part of the file.
-    while at < length {
-        let (Some(size), Some(kind)) = (word(at), word(at + 4)) else {
-            return Err("a GLB chunk's header is cut off".to_owned());
-        };
-        let start = at + 8;
-        let end = start.saturating_add(size as usize);
-        if end > length {
-            return Err(format!("a GLB chunk of {size} bytes reaches beyond the end of the file"));
-        }
-        match &kind.to_le_bytes() {
-            b"JSON" if json.is_none() && at == 12 => json = Some(start..end),
-            b"BIN\0" if binary.is_none() => binary = Some(start..end),
-            b"JSON" | b"BIN\0" => return Err("the GLB has a chunk twice or in the wrong place".to_owned()),
-            // Unknown chunks are to be skipped.
-            _ => {}
-        }
-        at = end;
-    }
-    let json = json.ok_or("the GLB has no JSON chunk at its beginning")?;
+    let bytes = bytes.get(..length).unwrap_or(bytes);
+    let (json, binary) = match Glb::from_slice(bytes) {
+        Ok(glb) => (glb.json.len(), glb.bin.map(|chunk| chunk.len())),
+        Err(gltf::Error::Binary(GlbError::UnknownChunkType(_))) => (only_json(bytes)?, None),
+        Err(error) => return Err(glb_error(error, bytes)),
+    };
+    // The chunks follow each other, each after a header of its own.
+    let json = GLB_JSON..GLB_JSON + json;
+    let binary = binary.map(|size| json.end + CHUNK_HEADER..json.end + CHUNK_HEADER + size);
     Ok((json, binary))
+}
+
+/// The size of the JSON chunk before one of a kind unknown to the crate, which is to be skipped;
+/// the binary chunk can only be the second.
+fn only_json(bytes: &[u8]) -> Outcome<usize> {
+    let size = match bytes.get(GLB_HEADER..GLB_JSON) {
+        Some(&[a, b, c, d, b'J', b'S', b'O', b'N']) => u32::from_le_bytes([a, b, c, d]) as usize,
+        _ => return Err(NO_JSON_CHUNK.to_owned()),
+    };
+    match GLB_JSON.checked_add(size) {
+        Some(end) if end <= bytes.len() => Ok(size),
+        _ => Err(format!("a GLB chunk of {size} bytes reaches beyond the end of the file")),
+    }
+}
+
+fn glb_error(error: gltf::Error, bytes: &[u8]) -> String {
+    let gltf::Error::Binary(error) = error else {
+        return format!("the GLB cannot be read: {error}");
+    };
+    match error {
+        GlbError::Version(version) => format!("is a GLB of version {version}; version 2 is read"),
+        GlbError::Length { length, .. } => {
+            let promised = u64::from(length) + GLB_HEADER as u64;
+            format!("the GLB promises {promised} bytes and has {}", bytes.len())
+        }
+        GlbError::ChunkLength { length, .. } => {
+            format!("a GLB chunk of {length} bytes reaches beyond the end of the file")
+        }
+        GlbError::Io(_) if bytes.len() == GLB_HEADER => NO_JSON_CHUNK.to_owned(),
+        GlbError::Io(_) => "a GLB chunk's header is cut off".to_owned(),
+        GlbError::ChunkType(ChunkType::Bin) => NO_JSON_CHUNK.to_owned(),
+        GlbError::ChunkType(ChunkType::Json) => "the GLB has two JSON chunks".to_owned(),
+        error => format!("the GLB cannot be read: {error}"),
+    }
 }
 
 /// Bounds the memory that parsing takes. Braces and commas within strings count too; the base64 of
@@ -212,27 +251,6 @@ fn check_size(json: &[u8]) -> Outcome<()> {
         return Err("the JSON holds more objects than could be meant".to_owned());
     }
     Ok(())
-}
-
-/// Only glTF 2.x; must come before the whole is read, because glTF 1.0 differs everywhere.
-fn check_version(json: &[u8]) -> Outcome<()> {
-    let head: Head = serde_json::from_slice(json).map_err(|e| format!("the JSON cannot be read: {e}"))?;
-    let asset = head.asset.ok_or("has no \"asset\" and so is not glTF")?;
-    let version = asset.version.ok_or("does not say its glTF version")?;
-    let numbers = |text: &str| {
-        let (major, minor) = text.split_once('.')?;
-        Some((major.parse::<u32>().ok()?, minor.parse::<u32>().ok()?))
-    };
-    match numbers(&version) {
-        Some((2, _)) => {}
-        _ => return Err(format!("is glTF version \"{}\"; version 2.0 is read", version.escape_debug())),
-    }
-    match asset.min_version {
-        Some(least) if numbers(&least).is_none_or(|least| least > (2, 0)) => {
-            Err(format!("needs glTF version \"{}\"; version 2.0 is read", least.escape_debug()))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// Refuses unknown extensions that the file requires, and notes those that it merely uses.

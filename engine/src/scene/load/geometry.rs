@@ -2,9 +2,12 @@
 
 use glam::{Vec2, Vec3};
 
+use gltf::json::Index;
+use gltf::json::mesh::{Mode, Primitive, Semantic};
+use gltf::json::validation::Checked;
+
 use super::accessor::Accessor;
 use super::context::{Context, Outcome};
-use super::schema::Primitive;
 use crate::scene::{Mesh, Vertex};
 
 /// A primitive's triangles while they are being brought into shape. The attributes have one entry
@@ -30,18 +33,18 @@ pub struct Surface {
 pub fn read(
     context: &Context,
     primitive: &Primitive,
-    uv_sets: [u64; 2],
+    uv_sets: [u32; 2],
     user: &str,
 ) -> Outcome<Option<Surface>> {
-    let mode = match primitive.mode.unwrap_or(4) {
-        0..=3 => {
+    let mode = match primitive.mode {
+        Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
+        Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => {
             context.warn(format!("{user} ignored: it holds points or lines"));
             return Ok(None);
         }
-        mode @ 4..=6 => mode,
-        mode => return Err(format!("{user} has the unknown mode {mode}")),
+        Checked::Invalid => return Err(format!("{user} has an unknown mode")),
     };
-    let Some(&positions) = primitive.attributes.get("POSITION") else {
+    let Some(positions) = attribute(primitive, Semantic::Positions) else {
         context.warn(format!("{user} ignored: it has no positions"));
         return Ok(None);
     };
@@ -63,18 +66,23 @@ pub fn read(
         }
         surface.positions.push(position);
     }
-    surface.normals = attributes.read(&source, "NORMAL", &[3], |a, i| a.vec3(i))?;
-    surface.tangents = attributes.read(&source, "TANGENT", &[4], |a, i| a.vec4(i).to_array())?;
+    surface.normals = attributes.read(&source, Semantic::Normals, &[3], |a, i| a.vec3(i))?;
+    surface.tangents = attributes.read(&source, Semantic::Tangents, &[4], |a, i| a.vec4(i).to_array())?;
     for (uvs, set) in surface.uvs.iter_mut().zip(uv_sets) {
-        *uvs = attributes.read(&source, &format!("TEXCOORD_{set}"), &[2], |a, i| a.vec2(i))?;
+        *uvs = attributes.read(&source, Semantic::TexCoords(set), &[2], |a, i| a.vec2(i))?;
         if uvs.iter().any(|uv| !uv.is_finite()) {
             context.warn(format!("{user}: texture coordinates that are not finite set to 0"));
             uvs.iter_mut().filter(|uv| !uv.is_finite()).for_each(|uv| *uv = Vec2::ZERO);
         }
     }
-    surface.colors = attributes.read(&source, "COLOR_0", &[3, 4], color)?;
+    surface.colors = attributes.read(&source, Semantic::Colors(0), &[3, 4], color)?;
     surface.source = source;
     Ok(Some(surface))
+}
+
+/// Which accessor holds an attribute.
+pub fn attribute(primitive: &Primitive, name: Semantic) -> Option<Index<gltf::json::Accessor>> {
+    primitive.attributes.get(&Checked::Valid(name)).copied()
 }
 
 /// The order in which the vertices are used.
@@ -97,19 +105,20 @@ fn read_corners(context: &Context, primitive: &Primitive, vertices: usize, user:
     }
 }
 
-/// Triangles of lists (mode 4), strips (5) and fans (6), without those that use a vertex twice.
-fn assemble(context: &Context, mode: u64, corners: &[u32], user: &str) -> Outcome<Vec<[u32; 3]>> {
-    if mode == 4 && !corners.len().is_multiple_of(3) {
+/// Triangles of lists, strips and fans, without those that use a vertex twice.
+fn assemble(context: &Context, mode: Mode, corners: &[u32], user: &str) -> Outcome<Vec<[u32; 3]>> {
+    let listed = mode == Mode::Triangles;
+    if listed && !corners.len().is_multiple_of(3) {
         context.warn(format!("{user}: the last corners are no whole triangle"));
     }
-    let count = if mode == 4 { corners.len() / 3 } else { corners.len().saturating_sub(2) };
+    let count = if listed { corners.len() / 3 } else { corners.len().saturating_sub(2) };
     context.charge(count, size_of::<[u32; 3]>(), user)?;
     let mut triangles = Vec::with_capacity(count);
     for i in 0..count {
         let [a, b, c] = match mode {
-            4 => [i * 3, i * 3 + 1, i * 3 + 2],
+            Mode::Triangles => [i * 3, i * 3 + 1, i * 3 + 2],
             // Every second triangle of a strip runs the other way round.
-            5 => [i, i + 1 + i % 2, i + 2 - i % 2],
+            Mode::TriangleStrip => [i, i + 1 + i % 2, i + 2 - i % 2],
             _ => [i + 1, i + 2, 0],
         };
         let triangle = [corners[a], corners[b], corners[c]];
@@ -148,22 +157,23 @@ impl Attributes<'_> {
     fn read<T>(
         &self,
         source: &[u32],
-        name: &str,
+        name: Semantic,
         lanes: &[usize],
         element: impl Fn(&Accessor, usize) -> T,
     ) -> Outcome<Vec<T>> {
-        let Some(&index) = self.primitive.attributes.get(name) else {
+        let user = format!("{}, {}", self.user, name.to_string());
+        // Colours must be fractions; some files forget to say so.
+        let is_color = matches!(name, Semantic::Colors(_));
+        let Some(index) = attribute(self.primitive, name) else {
             return Ok(Vec::new());
         };
-        let user = format!("{}, {name}", self.user);
         let accessor = Accessor::open(self.context, index, &user, lanes)?;
         if accessor.count != self.count {
             self.context
                 .warn(format!("{user} ignored: {} elements for {} positions", accessor.count, self.count));
             return Ok(Vec::new());
         }
-        // Colours must be fractions; some files forget to say so.
-        let accessor = if name == "COLOR_0" { accessor.normalized() } else { accessor };
+        let accessor = if is_color { accessor.normalized() } else { accessor };
         Ok(source.iter().map(|&i| element(&accessor, i as usize)).collect())
     }
 }

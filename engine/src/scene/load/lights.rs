@@ -1,27 +1,29 @@
 //! Lights and cameras, put into the world by their nodes.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::{DMat3, DMat4, DVec3, Vec3};
 
+use gltf::json::camera::Type as CameraType;
+use gltf::json::extensions::scene::khr_lights_punctual::{self as punctual, Type};
+use gltf::json::validation::Checked;
+
 use super::context::{Context, Outcome, get, label, name_or};
-use super::schema;
 use crate::scene::{Camera, Light, LightKind};
 
 /// The least difference between a spot light's angles, radians: shaders divide by it.
-const LEAST_SPOT_EDGE: f64 = 1e-3;
+const LEAST_SPOT_EDGE: f32 = 1e-3;
 
 /// The light that a node holds; `None`, with a warning, where its node leaves it no direction.
 pub fn light(context: &Context, index: usize, world: &DMat4, user: &str) -> Outcome<Option<Light>> {
-    let file = get(&context.document.root.extensions.lights.lights, "light", index, user)?;
+    let file = get(context.document.lights(), "light", index, user)?;
     let user = label("light", index, file.name.as_deref());
-    let kind = match file.kind.as_str() {
-        "directional" => LightKind::Directional,
-        "point" => LightKind::Point { range: range(context, file, &user) },
-        "spot" => spot(context, file, &user),
-        other => {
-            let other: String = other.chars().take(20).flat_map(char::escape_debug).collect();
-            return Err(format!("{user} is of the unknown type \"{other}\""));
+    let kind = match file.type_ {
+        Checked::Valid(Type::Directional) => LightKind::Directional,
+        Checked::Valid(Type::Point) => LightKind::Point { range: range(context, file, &user) },
+        Checked::Valid(Type::Spot) => spot(context, file, &user),
+        Checked::Invalid => {
+            return Err(format!("{user} is neither directional nor a point nor a spot light"));
         }
     };
     let direction = world.transform_vector3(DVec3::NEG_Z);
@@ -31,7 +33,7 @@ pub fn light(context: &Context, index: usize, world: &DMat4, user: &str) -> Outc
         return Ok(None);
     };
     let intensity = file.color.map(|channel| {
-        let product = channel * file.intensity;
+        let product = f64::from(channel) * f64::from(file.intensity);
         let clamped = product.clamp(0.0, f64::from(f32::MAX));
         if clamped != product {
             context.warn(format!("{user}: negative or too large intensity clamped"));
@@ -42,11 +44,12 @@ pub fn light(context: &Context, index: usize, world: &DMat4, user: &str) -> Outc
     Ok(Some(Light { name, intensity: Vec3::from_array(intensity), position, direction, kind }))
 }
 
-fn range(context: &Context, file: &schema::Light, user: &str) -> f32 {
+fn range(context: &Context, file: &punctual::Light, user: &str) -> f32 {
     match file.range {
         None => f32::INFINITY,
-        // Beyond what 32 bits hold it becomes infinite, which is what it means.
-        Some(range) if range as f32 > 0.0 => range as f32,
+        // Beyond what 32 bits hold it was cut off; infinite is what it means.
+        Some(f32::MAX) => f32::INFINITY,
+        Some(range) if range > 0.0 => range,
         Some(_) => {
             context.warn(format!("{user}: its range is not positive and taken as infinite"));
             f32::INFINITY
@@ -54,23 +57,21 @@ fn range(context: &Context, file: &schema::Light, user: &str) -> f32 {
     }
 }
 
-fn spot(context: &Context, file: &schema::Light, user: &str) -> LightKind {
-    let default = schema::Spot::default();
-    let spot = file.spot.as_ref().unwrap_or_else(|| {
-        context.warn(format!("{user}: a spot light without angles, taken as glTF's defaults"));
-        &default
-    });
-    let outer = spot.outer_cone_angle.clamp(LEAST_SPOT_EDGE, FRAC_PI_2);
-    let inner = spot.inner_cone_angle.clamp(0.0, outer - LEAST_SPOT_EDGE);
-    if outer != spot.outer_cone_angle || inner != spot.inner_cone_angle {
+fn spot(context: &Context, file: &punctual::Light, user: &str) -> LightKind {
+    let (given_inner, given_outer) = match &file.spot {
+        Some(spot) => (spot.inner_cone_angle, spot.outer_cone_angle),
+        None => {
+            context.warn(format!("{user}: a spot light without angles, taken as glTF's defaults"));
+            (0.0, FRAC_PI_4)
+        }
+    };
+    let outer = given_outer.clamp(LEAST_SPOT_EDGE, FRAC_PI_2);
+    let inner = given_inner.clamp(0.0, outer - LEAST_SPOT_EDGE);
+    if outer != given_outer || inner != given_inner {
         // Equal angles are common and meant as a hard edge.
         context.warn(format!("{user}: spot angles brought into 0 to 90 degrees, inner below outer"));
     }
-    LightKind::Spot {
-        range: range(context, file, user),
-        inner_angle: inner as f32,
-        outer_angle: outer as f32,
-    }
+    LightKind::Spot { range: range(context, file, user), inner_angle: inner, outer_angle: outer }
 }
 
 /// The camera that a node holds; `None`, with a warning, where its node leaves it no direction.
@@ -87,15 +88,15 @@ pub fn camera(
         context.warn(format!("{user} ignored: its node's transform is singular or not finite"));
         return Ok(None);
     };
-    let yfov_rad = match (file.kind.as_str(), &file.perspective) {
-        ("perspective", Some(perspective)) => {
+    let yfov_rad = match (file.type_, &file.perspective) {
+        (Checked::Valid(CameraType::Perspective), Some(perspective)) => {
             let valid = perspective.yfov > 0.0 && perspective.yfov < PI;
             if !valid {
                 context.warn(format!("{user}: its field of view is not between 0 and 180 degrees"));
             }
-            valid.then_some(perspective.yfov)
+            valid.then_some(f64::from(perspective.yfov))
         }
-        ("orthographic", _) => None,
+        (Checked::Valid(CameraType::Orthographic), _) => None,
         _ => return Err(format!("{user} is neither perspective nor orthographic")),
     };
     let own_name = file.name.as_deref().filter(|name| !name.is_empty());

@@ -4,8 +4,16 @@ use std::collections::HashMap;
 
 use glam::{Vec3, Vec4};
 
+use gltf::json::Index;
+use gltf::json::extensions::texture::TextureTransform;
+use gltf::json::material::{self as json, AlphaMode as FileAlphaMode};
+use gltf::json::texture::{Info, Texture};
+use gltf::json::validation::Checked;
+use serde::Deserialize;
+use serde_json::Value;
+
 use super::context::{Context, Outcome, get, label, name_or};
-use super::schema::{self, TextureInfo};
+use super::parse;
 use super::texture::Wanted;
 use crate::scene::{AlphaMode, Material, TextureUse};
 
@@ -24,7 +32,7 @@ pub struct Used {
     /// As the scene has it.
     pub material: Material,
     /// Which of the file's UV sets its `uv_set` 0 and 1 are.
-    pub uv_sets: [u64; 2],
+    pub uv_sets: [u32; 2],
 }
 
 impl Materials {
@@ -41,89 +49,139 @@ impl Materials {
     }
 }
 
-fn convert(context: &Context, file: &schema::Material, index: usize, textures: &mut Wanted) -> Outcome<Used> {
+/// A material's references to textures, in the order of [`Material`]'s.
+struct References {
+    base_color: Option<Reference>,
+    metallic_roughness: Option<Reference>,
+    normal: Option<Reference>,
+    occlusion: Option<Reference>,
+    emissive: Option<Reference>,
+}
+
+/// What the crate's three types of references have in common.
+struct Reference {
+    texture: usize,
+    uv_set: u32,
+    transform: Option<TextureTransform>,
+}
+
+impl Reference {
+    fn new(texture: Index<Texture>, tex_coord: u32, transform: Option<TextureTransform>) -> Self {
+        let uv_set = transform.as_ref().and_then(|transform| transform.tex_coord).unwrap_or(tex_coord);
+        Self { texture: texture.value(), uv_set, transform }
+    }
+
+    fn of_info(info: &Info) -> Self {
+        let transform = info.extensions.as_ref().and_then(|all| all.texture_transform.clone());
+        Self::new(info.index, info.tex_coord, transform)
+    }
+}
+
+impl References {
+    fn new(file: &json::Material, user: &str) -> Outcome<Self> {
+        let pbr = &file.pbr_metallic_roughness;
+        // The crate leaves the transforms of these two unread.
+        let read = |value: Option<&Value>| {
+            let read = value.map(TextureTransform::deserialize).transpose();
+            read.map_err(|error| format!("{user}: KHR_texture_transform: {}", parse::reword(&error)))
+        };
+        let name = "KHR_texture_transform";
+        let normal = match &file.normal_texture {
+            Some(info) => {
+                let transform = read(info.extensions.as_ref().and_then(|all| all.others.get(name)))?;
+                Some(Reference::new(info.index, info.tex_coord, transform))
+            }
+            None => None,
+        };
+        let occlusion = match &file.occlusion_texture {
+            Some(info) => {
+                let transform = read(info.extensions.as_ref().and_then(|all| all.others.get(name)))?;
+                Some(Reference::new(info.index, info.tex_coord, transform))
+            }
+            None => None,
+        };
+        Ok(Self {
+            base_color: pbr.base_color_texture.as_ref().map(Reference::of_info),
+            metallic_roughness: pbr.metallic_roughness_texture.as_ref().map(Reference::of_info),
+            normal,
+            occlusion,
+            emissive: file.emissive_texture.as_ref().map(Reference::of_info),
+        })
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Reference> {
+        let all = [&self.base_color, &self.metallic_roughness, &self.normal, &self.occlusion, &self.emissive];
+        all.into_iter().flatten()
+    }
+}
+
+fn convert(context: &Context, file: &json::Material, index: usize, textures: &mut Wanted) -> Outcome<Used> {
     let user = label("material", index, file.name.as_deref());
     let pbr = &file.pbr_metallic_roughness;
-    let fraction = |value: f64, what: &str| within(context, value, 0.0, 1.0, &user, what);
-    let finite = |value: f64, what: &str| {
-        within(context, value, f64::from(f32::MIN), f64::from(f32::MAX), &user, what)
+    let fraction = |value: f32, what: &str| within(context, value, 0.0, 1.0, &user, what);
+    let references = References::new(file, &user)?;
+    let uv_sets = uv_sets(context, &references, &user);
+    let mut texture = |reference: &Option<Reference>, srgb: bool| -> Outcome<Option<TextureUse>> {
+        let Some(reference) = reference else {
+            return Ok(None);
+        };
+        get(&context.document.root.textures, "texture", reference.texture, &user)?;
+        Ok(Some(TextureUse {
+            texture: textures.index(reference.texture, srgb),
+            uv_set: u32::from(reference.uv_set == uv_sets[1]),
+            uv_transform: uv_transform(context, reference, &user),
+        }))
     };
-    let uv_sets = uv_sets(context, file, &user);
-    let mut texture = |info: &Option<Box<TextureInfo>>, srgb: bool| {
-        let used = info.as_ref().map(|info| TextureUse {
-            texture: textures.index(info.index, srgb),
-            uv_set: u32::from(uv_set(info) == uv_sets[1]),
-            uv_transform: uv_transform(context, info, &user),
-        });
-        match info {
-            Some(info) => get(&context.document.root.textures, "texture", info.index, &user).map(|_| used),
-            None => Ok(None),
+    let extensions = file.extensions.as_ref();
+    let strength = extensions.and_then(|all| all.emissive_strength.as_ref());
+    let strength = strength.map_or(1.0, |strength| strength.emissive_strength.0);
+    let strength = within(context, strength, 0.0, f32::MAX, &user, "emissive strength");
+    let emissive = file.emissive_factor.0.map(|factor| fraction(factor, "emissive factor") * strength);
+    let alpha_mode = match file.alpha_mode {
+        Checked::Valid(FileAlphaMode::Opaque) => AlphaMode::Opaque,
+        Checked::Valid(FileAlphaMode::Mask) => {
+            let cutoff = file.alpha_cutoff.unwrap_or_default().0;
+            AlphaMode::Mask { cutoff: fraction(cutoff, "alpha cutoff") }
+        }
+        Checked::Valid(FileAlphaMode::Blend) => AlphaMode::Blend,
+        Checked::Invalid => {
+            context.warn(format!("{user}: unknown alpha mode, taken as opaque"));
+            AlphaMode::Opaque
         }
     };
-    let strength = file.extensions.emissive_strength.as_ref().map_or(1.0, |e| e.emissive_strength);
-    let strength = f64::from(within(context, strength, 0.0, f64::from(f32::MAX), &user, "emissive strength"));
-    let emissive =
-        file.emissive_factor.map(|factor| f64::from(fraction(factor, "emissive factor")) * strength);
+    let occlusion = file.occlusion_texture.as_ref().map_or(1.0, |info| info.strength.0);
     let material = Material {
         name: name_or(file.name.as_deref(), "material", index),
-        base_color: Vec4::from_array(pbr.base_color_factor.map(|value| fraction(value, "base colour"))),
-        metallic: fraction(pbr.metallic_factor, "metallic factor"),
-        roughness: fraction(pbr.roughness_factor, "roughness"),
-        emissive: Vec3::from_array(emissive.map(|value| value as f32)),
-        normal_scale: finite(number(&file.normal_texture, |info| info.scale), "normal scale"),
-        occlusion_strength: fraction(
-            number(&file.occlusion_texture, |info| info.strength),
-            "occlusion strength",
-        ),
-        alpha_mode: match file.alpha_mode.as_deref() {
-            None | Some("OPAQUE") => AlphaMode::Opaque,
-            Some("MASK") => AlphaMode::Mask { cutoff: fraction(file.alpha_cutoff, "alpha cutoff") },
-            Some("BLEND") => AlphaMode::Blend,
-            Some(_) => {
-                context.warn(format!("{user}: unknown alpha mode, taken as opaque"));
-                AlphaMode::Opaque
-            }
-        },
+        base_color: Vec4::from_array(pbr.base_color_factor.0.map(|value| fraction(value, "base colour"))),
+        metallic: fraction(pbr.metallic_factor.0, "metallic factor"),
+        roughness: fraction(pbr.roughness_factor.0, "roughness"),
+        emissive: Vec3::from_array(emissive),
+        normal_scale: file.normal_texture.as_ref().map_or(1.0, |info| info.scale),
+        occlusion_strength: fraction(occlusion, "occlusion strength"),
+        alpha_mode,
         double_sided: file.double_sided,
-        unlit: file.extensions.unlit.is_some(),
-        base_color_texture: texture(&pbr.base_color_texture, true)?,
-        metallic_roughness_texture: texture(&pbr.metallic_roughness_texture, false)?,
-        normal_texture: texture(&file.normal_texture, false)?,
-        occlusion_texture: texture(&file.occlusion_texture, false)?,
-        emissive_texture: texture(&file.emissive_texture, true)?,
+        unlit: extensions.is_some_and(|all| all.unlit.is_some()),
+        base_color_texture: texture(&references.base_color, true)?,
+        metallic_roughness_texture: texture(&references.metallic_roughness, false)?,
+        normal_texture: texture(&references.normal, false)?,
+        occlusion_texture: texture(&references.occlusion, false)?,
+        emissive_texture: texture(&references.emissive, true)?,
     };
     Ok(Used { material, uv_sets })
 }
 
-/// The texture's own scale or strength, 1 where there is none.
-fn number(info: &Option<Box<TextureInfo>>, field: impl Fn(&TextureInfo) -> Option<f64>) -> f64 {
-    info.as_deref().and_then(field).unwrap_or(1.0)
-}
-
 /// `value` brought into `low..=high`, with a warning where it was not. JSON has no NaN.
-fn within(context: &Context, value: f64, low: f64, high: f64, user: &str, what: &str) -> f32 {
+fn within(context: &Context, value: f32, low: f32, high: f32, user: &str, what: &str) -> f32 {
     let clamped = value.clamp(low, high);
     if clamped != value {
         context.warn(format!("{user}: {what} {value} brought into {low} to {high}"));
     }
-    clamped as f32
-}
-
-fn uv_set(info: &TextureInfo) -> u64 {
-    info.extensions.transform.as_ref().and_then(|transform| transform.tex_coord).unwrap_or(info.tex_coord)
+    clamped
 }
 
 /// Which two of the file's UV sets the material needs: 0 and 1 wherever those suffice.
-fn uv_sets(context: &Context, file: &schema::Material, user: &str) -> [u64; 2] {
-    let pbr = &file.pbr_metallic_roughness;
-    let infos = [
-        &pbr.base_color_texture,
-        &pbr.metallic_roughness_texture,
-        &file.normal_texture,
-        &file.occlusion_texture,
-        &file.emissive_texture,
-    ];
-    let mut needed: Vec<u64> = infos.into_iter().flatten().map(|info| uv_set(info)).collect();
+fn uv_sets(context: &Context, references: &References, user: &str) -> [u32; 2] {
+    let mut needed: Vec<u32> = references.all().map(|reference| reference.uv_set).collect();
     needed.sort_unstable();
     needed.dedup();
     if needed.len() > 2 {
@@ -139,12 +197,12 @@ fn uv_sets(context: &Context, file: &schema::Material, user: &str) -> [u64; 2] {
 /// `KHR_texture_transform`: scaled, then turned, then moved. Positive angles turn counter-clockwise
 /// as one sees the picture, that is from u towards *minus* v, since v runs down; the formula in the
 /// extension's text turns the other way, unlike its words and all of its test models.
-fn uv_transform(context: &Context, info: &TextureInfo, user: &str) -> [Vec3; 2] {
-    let Some(transform) = &info.extensions.transform else {
+fn uv_transform(context: &Context, reference: &Reference, user: &str) -> [Vec3; 2] {
+    let Some(transform) = &reference.transform else {
         return [Vec3::X, Vec3::Y];
     };
-    let (sin, cos) = transform.rotation.sin_cos();
-    let ([x, y], [u, v]) = (transform.scale, transform.offset);
+    let (sin, cos) = f64::from(transform.rotation.0).sin_cos();
+    let ([x, y], [u, v]) = (transform.scale.0.map(f64::from), transform.offset.0.map(f64::from));
     let rows = [[x * cos, y * sin, u], [-x * sin, y * cos, v]];
     let rows = rows.map(|row| Vec3::from_array(row.map(|value| value as f32)));
     if rows.iter().all(|row| row.is_finite()) {

@@ -1,6 +1,8 @@
 //! The node hierarchy, without recursion: a file may be as deep as it likes.
 
-use glam::{DMat3, DMat4, DQuat, DVec3, DVec4};
+use glam::{DMat3, DMat4, DQuat, DVec3, DVec4, Vec3};
+
+use gltf::json::{Index, Node};
 
 use super::context::{Context, Outcome, get, label};
 use super::{LoadOptions, animation};
@@ -14,7 +16,7 @@ pub struct Pose {
     pub rotation: DQuat,
     pub scale: DVec3,
     /// Overrides the mesh's.
-    pub weights: Option<Vec<f64>>,
+    pub weights: Option<Vec<f32>>,
 }
 
 impl Pose {
@@ -38,7 +40,7 @@ pub struct Hierarchy {
     /// World from node, for all nodes of the file, since joints may lie outside of the scene.
     pub world: Vec<DMat4>,
     /// Morph weights that nodes or their animations set.
-    pub weights: Vec<Option<Vec<f64>>>,
+    pub weights: Vec<Option<Vec<f32>>>,
     /// The scene's nodes, parents before children.
     pub in_scene: Vec<usize>,
 }
@@ -75,7 +77,7 @@ fn order(context: &Context) -> Outcome<(Vec<usize>, Vec<Option<usize>>)> {
     let nodes = &context.document.root.nodes;
     let mut parents = vec![None; nodes.len()];
     for (index, node) in nodes.iter().enumerate() {
-        for &child in &node.children {
+        for child in children(node) {
             let name = |i: usize| label("node", i, nodes[i].name.as_deref());
             get(nodes, "node", child, name(index))?;
             if let Some(other) = parents[child].replace(index) {
@@ -86,7 +88,7 @@ fn order(context: &Context) -> Outcome<(Vec<usize>, Vec<Option<usize>>)> {
     let mut order: Vec<usize> = (0..nodes.len()).filter(|&node| parents[node].is_none()).collect();
     let mut next = 0;
     while let Some(&node) = order.get(next) {
-        order.extend(&nodes[node].children);
+        order.extend(children(&nodes[node]));
         next += 1;
     }
     // Each node has at most one parent, so those that no root leads to run in circles.
@@ -99,23 +101,33 @@ fn order(context: &Context) -> Outcome<(Vec<usize>, Vec<Option<usize>>)> {
     Ok((order, parents))
 }
 
+fn children(node: &Node) -> impl Iterator<Item = usize> {
+    node.children.iter().flatten().map(Index::value)
+}
+
 fn rest_pose(context: &Context, index: usize) -> Pose {
     let node = &context.document.root.nodes[index];
     let name = || label("node", index, node.name.as_deref());
     let has_parts = node.translation.is_some() || node.rotation.is_some() || node.scale.is_some();
-    let matrix = node.matrix.as_deref().map(|numbers| affine(DMat4::from_cols_array(numbers)));
+    // In place of the crate's, which is rounded.
+    let origin = context.document.origins.get(index).copied().flatten().map(DVec3::from_array);
+    let matrix = node.matrix.map(|numbers| {
+        let mut matrix = affine(DMat4::from_cols_array(&numbers.map(f64::from)));
+        matrix.w_axis = origin.map_or(matrix.w_axis, |origin| origin.extend(1.0));
+        matrix
+    });
     if matrix.is_some() && has_parts {
         context.warn(format!("{}: its matrix is used, its translation, rotation and scale ignored", name()));
     }
-    let rotation = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let rotation = node.rotation.unwrap_or_default().0.map(f64::from);
     if (DVec4::from_array(rotation).length() - 1.0).abs() > 1e-2 {
         context.warn(format!("{}: rotation brought to length 1", name()));
     }
     Pose {
         matrix,
-        translation: node.translation.map_or(DVec3::ZERO, DVec3::from_array),
+        translation: origin.unwrap_or(DVec3::ZERO),
         rotation: quaternion(rotation),
-        scale: node.scale.map_or(DVec3::ONE, DVec3::from_array),
+        scale: node.scale.map_or(DVec3::ONE, |scale| Vec3::from_array(scale).as_dvec3()),
         weights: node.weights.clone(),
     }
 }
@@ -138,6 +150,7 @@ fn scene_nodes(context: &Context, options: &LoadOptions, parents: &[Option<usize
         }
         // A choice among no scenes at all is as harmless as none.
         (None, Some(index)) if !root.scenes.is_empty() => {
+            let index = index.value();
             get(&root.scenes, "scene", index, "the file's \"scene\"")?;
             index
         }
@@ -150,7 +163,7 @@ fn scene_nodes(context: &Context, options: &LoadOptions, parents: &[Option<usize
     let user = label("scene", index, None);
     let mut listed = vec![false; root.nodes.len()];
     let mut nodes = Vec::new();
-    for &node in &scene.nodes {
+    for node in scene.nodes.iter().map(Index::value) {
         get(&root.nodes, "node", node, &user)?;
         if parents[node].is_some() {
             context.warn(format!("{user} lists node {node}, which is no root"));
@@ -161,7 +174,7 @@ fn scene_nodes(context: &Context, options: &LoadOptions, parents: &[Option<usize
     }
     let mut next = 0;
     while let Some(&node) = nodes.get(next) {
-        for &child in &root.nodes[node].children {
+        for child in children(&root.nodes[node]) {
             if !std::mem::replace(&mut listed[child], true) {
                 nodes.push(child);
             }

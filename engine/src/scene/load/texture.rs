@@ -5,11 +5,16 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use std::sync::Arc;
 
+use gltf::json::Index;
+use gltf::json::texture::{
+    MagFilter, MinFilter, Sampler as FileSampler, Texture as FileTexture, WrappingMode,
+};
+use gltf::json::validation::Checked;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use rayon::prelude::*;
 
 use super::context::{Context, Outcome, get, label, name_or};
-use super::schema;
+use super::parse;
 use crate::scene::{Sampler, Texture, Wrap};
 
 /// Width and height that images may have.
@@ -74,9 +79,11 @@ struct Pixels {
 }
 
 /// The images that a texture can be made from, best first; at least one.
-fn candidates(texture: &schema::Texture, user: &str) -> Outcome<Vec<usize>> {
-    let webp = texture.extensions.webp.as_ref().and_then(|webp| webp.source);
-    let images: Vec<usize> = webp.into_iter().chain(texture.source).collect();
+fn candidates(texture: &FileTexture, user: &str) -> Outcome<Vec<usize>> {
+    let extension = texture.extensions.as_ref().and_then(|all| all.others.get("EXT_texture_webp"));
+    let webp = extension.and_then(|webp| webp.get("source")?.as_u64());
+    let webp = webp.map(|index| usize::try_from(index).unwrap_or(usize::MAX));
+    let images: Vec<usize> = webp.into_iter().chain(parse::optional(texture.source)).collect();
     if images.is_empty() {
         return Err(format!("{user} has no image in a format that is read (PNG, JPEG or WebP)"));
     }
@@ -129,40 +136,43 @@ fn decode(context: &Context, bytes: &[u8], user: &str) -> Outcome<Pixels> {
     Ok(Pixels { size: [width, height], rgba8: pixels.into_raw().into() })
 }
 
-fn sampler(context: &Context, index: Option<usize>) -> Outcome<Sampler> {
-    let Some(index) = index else {
+fn sampler(context: &Context, index: Option<Index<FileSampler>>) -> Outcome<Sampler> {
+    let Some(index) = index.map(|index| index.value()) else {
         return Ok(Sampler::default());
     };
     let sampler = get(&context.document.root.samplers, "sampler", index, "a texture")?;
     let unknown = |what: &str| context.warn(format!("sampler {index}: unknown {what}; the default is used"));
-    let wrap = |code: Option<u64>| match code {
-        None | Some(10497) => Wrap::Repeat,
-        Some(33648) => Wrap::MirroredRepeat,
-        Some(33071) => Wrap::ClampToEdge,
-        Some(_) => {
+    let wrap = |mode: Checked<WrappingMode>| match mode {
+        Checked::Valid(WrappingMode::Repeat) => Wrap::Repeat,
+        Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::MirroredRepeat,
+        Checked::Valid(WrappingMode::ClampToEdge) => Wrap::ClampToEdge,
+        Checked::Invalid => {
             unknown("wrap mode");
             Wrap::Repeat
         }
     };
     let mag_linear = match sampler.mag_filter {
-        None | Some(9729) => true,
-        Some(9728) => false,
-        Some(_) => {
+        None | Some(Checked::Valid(MagFilter::Linear)) => true,
+        Some(Checked::Valid(MagFilter::Nearest)) => false,
+        Some(Checked::Invalid) => {
             unknown("magnification filter");
             true
         }
     };
-    let (min_linear, mip_linear) = match sampler.min_filter {
-        Some(9728) => (false, None),
-        Some(9729) => (true, None),
-        Some(9984) => (false, Some(false)),
-        Some(9985) => (true, Some(false)),
-        Some(9986) => (false, Some(true)),
-        None | Some(9987) => (true, Some(true)),
-        Some(_) => {
+    let min_filter = match sampler.min_filter.unwrap_or(Checked::Valid(MinFilter::LinearMipmapLinear)) {
+        Checked::Valid(filter) => filter,
+        Checked::Invalid => {
             unknown("minification filter");
-            (true, Some(true))
+            MinFilter::LinearMipmapLinear
         }
+    };
+    let (min_linear, mip_linear) = match min_filter {
+        MinFilter::Nearest => (false, None),
+        MinFilter::Linear => (true, None),
+        MinFilter::NearestMipmapNearest => (false, Some(false)),
+        MinFilter::LinearMipmapNearest => (true, Some(false)),
+        MinFilter::NearestMipmapLinear => (false, Some(true)),
+        MinFilter::LinearMipmapLinear => (true, Some(true)),
     };
     Ok(Sampler {
         wrap_u: wrap(sampler.wrap_s),

@@ -66,6 +66,107 @@ fn other_kinds_of_file() {
     assert!(load(&std::env::temp_dir(), &LoadOptions::default()).is_err());
 }
 
+/// A GLB of these chunks; its header is right.
+fn glb(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
+    let mut bytes = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
+    for (kind, content) in chunks {
+        bytes.extend((content.len() as u32).to_le_bytes());
+        bytes.extend(*kind);
+        bytes.extend(*content);
+    }
+    let length = bytes.len() as u32;
+    bytes[8..12].copy_from_slice(&length.to_le_bytes());
+    bytes
+}
+
+#[test]
+fn chunks_of_binary_files() {
+    let mut rest = one_primitive(json!({ "attributes": { "POSITION": 0 } }));
+    rest["asset"] = json!({ "version": "2.0" });
+    rest["buffers"] = json!([{ "byteLength": 36 }]);
+    rest["bufferViews"] = json!([{ "buffer": 0, "byteLength": 36 }]);
+    rest["accessors"] = json!([{ "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3 }]);
+    let text = rest.to_string();
+    let (json, binary) = ((b"JSON", text.as_bytes()), (b"BIN\0", bytemuck::cast_slice(&TRIANGLE)));
+    let load = |bytes: &[u8]| load_bytes("a.glb", bytes, &LoadOptions::default());
+    let mut whole = glb(&[json, binary]);
+    whole.extend(b"what follows");
+    assert_eq!(load(&whole).expect("valid").triangle_count(), 1);
+    let more = glb(&[json, binary, (b"MORE", b"1234")]);
+    assert_eq!(load(&more).expect("valid").triangle_count(), 1);
+    let bare = json!({ "asset": { "version": "2.0" } }).to_string();
+    assert!(load(&glb(&[(b"JSON", bare.as_bytes()), (b"MORE", b"1234")])).is_ok());
+    let refusal = |bytes: &[u8]| load(bytes).expect_err("broken").to_string();
+    assert!(refusal(&glb(&[json, (b"MORE", b"1234")])).contains("buffer 0 has no data"));
+    assert!(refusal(&glb(&[binary, json])).contains("no JSON chunk"));
+    assert!(refusal(&glb(&[(b"MORE", b"1234"), json])).contains("no JSON chunk"));
+    assert!(refusal(&glb(&[json, json])).contains("two JSON chunks"));
+    let mut cut = glb(&[json, binary]);
+    for length in 0..12u8 {
+        cut[8..12].copy_from_slice(&[length, 0, 0, 0]);
+        assert!(refusal(&cut).contains("fewer than its header has"));
+    }
+    cut[8..12].copy_from_slice(&[22, 0, 0, 0]);
+    assert!(refusal(&cut).contains("reaches beyond the end of the file"));
+}
+
+/// Numbers that the crate would cut off to small ones.
+#[test]
+fn large_numbers_do_not_wrap() {
+    let wrapped = |change: &dyn Fn(&mut File, &mut Value)| refused_triangle(change);
+    let cause = wrapped(&|_, rest| rest["nodes"][0]["mesh"] = json!(1u64 << 32));
+    assert_eq!(cause, "node 0: invalid type: floating point `4294967296.0`, expected an index");
+    let cause = wrapped(&|file, _| file.accessors[0]["componentType"] = json!((1u64 << 32) + 5126));
+    assert!(cause.starts_with("accessor 0: invalid type"), "{cause}");
+    let cause = wrapped(&|_, rest| rest["scene"] = json!(1u64 << 32));
+    assert_eq!(cause, "the file's \"scene\" is not an index");
+}
+
+#[test]
+fn broken_things_are_named() {
+    let cause = refused_triangle(|file, _| file.accessors[0] = json!({ "count": 3 }));
+    assert_eq!(cause, "accessor 0: missing field `componentType`");
+    let cause = refused_triangle(|_, rest| rest["materials"] = json!([{}, { "doubleSided": 1 }]));
+    assert_eq!(cause, "material 1: invalid type: integer `1`, expected a boolean");
+    let cause = refused_triangle(|_, rest| rest["skins"] = json!("none"));
+    assert_eq!(cause, "\"skins\" is not a list");
+    let info = json!({ "index": 0, "extensions": { "KHR_texture_transform": { "scale": "a\nb" } } });
+    let cause = refused_triangle(|_, rest| {
+        rest["materials"] = json!([{ "normalTexture": info }]);
+        rest["meshes"][0]["primitives"][0]["material"] = json!(0);
+    });
+    assert!(cause.starts_with("material 0: KHR_texture_transform: invalid type"), "{cause}");
+}
+
+/// What the crate's types demand or check, and no scene needs.
+#[test]
+fn what_is_not_read_may_be_odd() {
+    let mut file = File::default();
+    let positions = file.floats("VEC3", &TRIANGLE);
+    file.accessors[0]["min"] = json!("none");
+    file.views[0]["target"] = json!("anything");
+    let rest = json!({
+        "scenes": [{ "nodes": [0, 1] }, {}],
+        "nodes": [
+            { "mesh": 0, "name": 7, "extras": [1e300], "translation": [5_000_000_000i64, 0.001, 4_500_000.123] },
+            { "camera": 0, "matrix": null, "extensions": { "EXT_other": 5 } },
+        ],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": positions }, "extensions": 3 }] }, {}],
+        "cameras": [{ "type": "perspective", "perspective": { "yfov": 1, "zfar": "far" }, "orthographic": [] }],
+        "animations": [{}, { "channels": [{ "sampler": 0, "target": { "path": "pointer" } }] }],
+        "images": [{ "mimeType": 1 }],
+        "materials": [{ "extensions": { "KHR_materials_unlit": true } }],
+        "skins": [{ "skeleton": "none" }],
+        "textures": [{ "extensions": { "EXT_texture_webp": "none" } }],
+    });
+    let scene = file.load(rest).expect("harmless");
+    super::check_whole(&scene);
+    assert_eq!(scene.cameras.len(), 1);
+    // In JSON's precision, not in that of 32 bits.
+    let origin = scene.instances[0].world_from_mesh.w_axis.truncate();
+    assert_eq!(origin, glam::DVec3::new(5e9, 0.001, 4_500_000.123));
+}
+
 #[test]
 fn deep_json_is_refused() {
     let text = format!("{{\"asset\":{{\"version\":\"2.0\"}},\"nodes\":{}", "[".repeat(1 << 20));
