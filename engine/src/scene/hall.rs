@@ -31,11 +31,14 @@ pub struct HallOptions {
     pub lights: u32,
     /// What varies: stains and veins of the materials, litter, small lamps.
     pub seed: u64,
+    /// Lamps end at 8 to 14 m. Otherwise, glTF's default, they have no range: every lamp reaches every
+    /// surface, and none can be left out.
+    pub ranged_lights: bool,
 }
 
 impl Default for HallOptions {
     fn default() -> Self {
-        Self { triangles: 250_000, lights: 256, seed: 1 }
+        Self { triangles: 250_000, lights: 256, seed: 1, ranged_lights: false }
     }
 }
 

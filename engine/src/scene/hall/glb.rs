@@ -105,17 +105,21 @@ fn material(look: &Look) -> Value {
     value
 }
 
-fn light(lamp: &Lamp) -> Value {
+fn light(lamp: &Lamp, ranged: bool) -> Value {
     let mut value = json!({"name": lamp.name, "color": lamp.color, "intensity": lamp.intensity});
     match lamp.kind {
         Kind::Sun => value["type"] = "directional".into(),
         Kind::Point(range) => {
             value["type"] = "point".into();
-            value["range"] = range.into();
+            if ranged {
+                value["range"] = range.into();
+            }
         }
         Kind::Spot(range, [inner, outer]) => {
             value["type"] = "spot".into();
-            value["range"] = range.into();
+            if ranged {
+                value["range"] = range.into();
+            }
             value["spot"] = json!({"innerConeAngle": inner, "outerConeAngle": outer});
         }
     }
@@ -190,7 +194,7 @@ pub fn file(options: &HallOptions) -> Result<Vec<u8>> {
     // Linear within and between the levels; repeated on both axes.
     put("samplers", json!([{"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}]));
     put("cameras", json!(cameras));
-    let all: Vec<Value> = lamps.iter().map(light).collect();
+    let all: Vec<Value> = lamps.iter().map(|lamp| light(lamp, options.ranged_lights)).collect();
     put("extensions", json!({"KHR_lights_punctual": {"lights": all}}));
     put("accessors", std::mem::take(&mut binary.accessors).into());
     put("bufferViews", std::mem::take(&mut binary.views).into());

@@ -4,7 +4,7 @@ use super::*;
 use glam::Vec3;
 
 fn hall(triangles: u32, lights: u32) -> Vec<u8> {
-    generate_glb(&HallOptions { triangles, lights, seed: 1 }).expect("options in range")
+    generate_glb(&HallOptions { triangles, lights, ..HallOptions::default() }).expect("options in range")
 }
 
 /// Triangles drawn, after all checks of the file's geometry.
@@ -122,7 +122,7 @@ fn hall_lists_what_was_asked_for() {
 fn hall_is_the_same_twice_and_varies_with_its_seed() {
     let first = hall(10_000, 40);
     assert!(first == hall(10_000, 40));
-    let other = HallOptions { triangles: 10_000, lights: 40, seed: 2 };
+    let other = HallOptions { triangles: 10_000, lights: 40, seed: 2, ..HallOptions::default() };
     assert!(first != generate_glb(&other).expect("options in range"));
 }
 
@@ -151,7 +151,7 @@ fn hall_refuses_numbers_out_of_range() {
 #[test]
 fn hall_file_appears_whole_or_not_at_all() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let options = HallOptions { triangles: 10_000, lights: 3, seed: 4 };
+    let options = HallOptions { triangles: 10_000, lights: 3, seed: 4, ..HallOptions::default() };
     let path = folder.path().join("hall.glb");
     write_glb(&path, &options).expect("a file in a fresh folder");
     assert!(std::fs::read(&path).expect("it was written") == generate_glb(&options).expect("in range"));
