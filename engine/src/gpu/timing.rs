@@ -69,9 +69,7 @@ impl Timestamps {
         Context::check(result, || "reading timestamps".into())?;
         let period_ns = f64::from(self.context.limits.timestamp_period);
         out.clear();
-        out.extend(
-            ticks.windows(2).map(|pair| pair[1].saturating_sub(pair[0]) as f64 * period_ns * 1e-6),
-        );
+        out.extend(ticks.windows(2).map(|pair| pair[1].saturating_sub(pair[0]) as f64 * period_ns * 1e-6));
         Ok(())
     }
 }
