@@ -114,7 +114,7 @@ impl Page<'_> {
             )
         };
         let [x, y] = part.gaze.map(|fraction| fraction * 100.0);
-        let LpStats { width: lp_width, height: lp_height, on_display, .. } = part.lp;
+        let LpStats { width: lp_width, height: lp_height, shaded, native_pixels, .. } = part.lp;
         format!(
             "<section class=\"gaze\" data-gaze=\"{index}\" aria-label=\"Gaze {name}\"{hidden}>\n\
              <h3 class=\"print-only\">Gaze {name}</h3>\n\
@@ -129,14 +129,14 @@ impl Page<'_> {
              <figure class=\"lp\"><img width=\"{lp_width}\" height=\"{lp_height}\" \
              alt=\"LP-buffer, gaze {name}\"{}>\n\
              <figcaption>The LP-buffer, {lp_width}×{lp_height} texels: the distance from the gaze runs to \
-             the right, the angle downwards. Shaded are the texels that land on the display ({} of {}); the \
-             others stay empty.</figcaption></figure>\n</section>\n",
+             the right, the angle downwards. {} texels are shaded. The dark ones miss the display, or lie at \
+             the gaze, where {} pixels are shaded one by one instead.</figcaption></figure>\n</section>\n",
             over("foveated", "Foveated", &part.kfr_png, ""),
             over("difference", "Difference times 4", &part.difference_png, " hidden"),
             over("rings", "Rings of eccentricity", &part.rings_png, " hidden"),
             source(&part.lp_png),
-            grouped(on_display),
-            grouped(part.lp.texels),
+            grouped(shaded),
+            grouped(native_pixels),
         )
     }
 
