@@ -166,13 +166,18 @@ pub fn run(args: &DemoArgs, json: bool) -> Result<(), Failure> {
     args.settings(Method::Kfr(KfrSettings::default())).check()?;
     let hall = HallArgs { triangles: Some(args.triangles), lights: Some(args.lights), seed: None };
     library::hall_options(&hall)?;
-    std::fs::create_dir_all(&args.output).map_err(|error| macula::Error::io(&args.output, error))?;
+    if args.output.exists() && !args.output.is_dir() {
+        let path = args.output.display();
+        return Err(Failure::environment(format!("{path}: is not a folder; name another with --output")));
+    }
+    let device = library::device(true)?;
     let mut steps = Steps::long(5.0 + HALL_SHOTS.len() as f64);
     steps.next("generating and loading the hall");
     let hall = Source::Hall.open(&hall, 0.0)?;
     steps.next("preparing the hall");
-    let device = library::device(true)?;
     let mut stage = Stage::new(args, &device, &hall)?;
+    // Only now, so that a size beyond the device's limits leaves no empty folder behind.
+    std::fs::create_dir_all(&args.output).map_err(|error| macula::Error::io(&args.output, error))?;
     let mut gazes = Vec::new();
     for (index, shot) in HALL_SHOTS.into_iter().enumerate() {
         steps.next(&format!("{}: full and foveated", shot.1));
