@@ -40,9 +40,12 @@ install_packages() {
     as_root=(sudo)
   fi
   say "$purpose is missing: installing $* with apt-get"
-  # Fresh machines have no package lists yet; where they are stale the second try brings new ones.
-  apt_install "$@" || { "${as_root[@]}" apt-get -q update >&2 && apt_install "$@"; } ||
-    die "apt-get could not install $*; see its message above"
+  # Fresh machines have no package lists yet, others stale ones.
+  if [ -z "${lists_updated:-}" ]; then
+    "${as_root[@]}" apt-get -q update >&2 || say "the package lists could not be updated; trying with the old ones"
+    lists_updated=yes
+  fi
+  apt_install "$@" || die "apt-get could not install $*; see its message above"
 }
 
 # Runs within install_packages, whose as_root it sees.
@@ -87,6 +90,17 @@ has_driver() {
 ensure_vulkan() {
   has_loader || install_packages "the Vulkan loader" libvulkan1
   has_driver || install_packages "a Vulkan driver" mesa-vulkan-drivers
+}
+
+# ensure_device PROGRAM: a driver whose hardware is not there offers no device; then Mesa's software
+# driver helps.
+ensure_device() {
+  "$1" doctor >/dev/null 2>&1 && return
+  [ -z "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ] || {
+    "$1" doctor >&2 || die "the drivers that VK_DRIVER_FILES or VK_ICD_FILENAMES names do not do; mend or unset it"
+  }
+  install_packages "a Vulkan device that works" mesa-vulkan-drivers
+  "$1" doctor >&2 || die "there is still no usable Vulkan device; see above what is missing"
 }
 
 has_validation() {

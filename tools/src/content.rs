@@ -105,6 +105,16 @@ pub fn load_environment(path: &Path, warnings: &mut Vec<String>) -> Result<Envir
     Ok(environment)
 }
 
+/// Light for a scene that would be black: one of triangles without any lamp, where no environment is
+/// given. Says so in `warnings`.
+pub fn neutral_light(subject: &Subject, warnings: &mut Vec<String>) -> Option<Environment> {
+    let unlit = subject.scene().is_some_and(|scene| scene.lights.is_empty());
+    unlit.then(|| {
+        warnings.push("the scene has no lamps; lit by an even grey environment (--env gives another)".into());
+        Environment::uniform([0.5; 3])
+    })
+}
+
 /// Where the eye stands.
 #[derive(Args, Clone, Debug, Default)]
 pub struct CameraArgs {
@@ -244,6 +254,15 @@ mod tests {
     fn a_point_is_seen_from_a_metre() {
         let pose = framed([DVec3::ONE; 2], &DisplayGeometry::symmetric([8, 8], 90.0));
         assert!((pose.w_axis.truncate().distance(DVec3::ONE) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn only_scenes_without_lamps_get_neutral_light() {
+        let mut warnings = Vec::new();
+        assert!(neutral_light(&Subject::Sdf, &mut warnings).is_none() && warnings.is_empty());
+        let dark = Subject::Scene(Box::default());
+        assert!(neutral_light(&dark, &mut warnings).is_some());
+        assert_eq!(warnings.len(), 1);
     }
 
     #[test]

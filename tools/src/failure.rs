@@ -3,6 +3,8 @@
 use macula::Error;
 use std::io;
 
+const DISK_FULL: &str = "free some space or write elsewhere";
+
 /// Why a command ends early.
 #[derive(Debug)]
 pub enum Failure {
@@ -53,7 +55,9 @@ impl From<Error> for Failure {
             Error::Io { source, .. } => match source.kind() {
                 io::ErrorKind::NotFound => "check the path",
                 io::ErrorKind::PermissionDenied => "check who may read and write there",
-                io::ErrorKind::StorageFull => "free some space or write elsewhere",
+                io::ErrorKind::StorageFull => DISK_FULL,
+                // Encoders hand the system's words on, but not its kind of error.
+                _ if source.to_string().contains("No space left on device") => DISK_FULL,
                 _ => "",
             },
             Error::NoDevice(_) => "`macula doctor` shows what was found and what is missing",
@@ -79,6 +83,15 @@ mod tests {
         assert_eq!(missing.exit_code(), 1);
         let line = missing.line().unwrap_or_default();
         assert!(line.starts_with("error: a.glb: ") && line.ends_with("; check the path"), "{line}");
+    }
+
+    #[test]
+    fn a_full_disk_is_known_by_kind_or_by_words() {
+        let words = io::Error::other("No space left on device (os error 28)");
+        for source in [io::Error::from(io::ErrorKind::StorageFull), words] {
+            let line = Failure::from(Error::io("a.png", source)).line().unwrap_or_default();
+            assert!(line.ends_with(DISK_FULL), "{line}");
+        }
     }
 
     #[test]

@@ -4,13 +4,12 @@ use crate::failure::Failure;
 use crate::options::HallArgs;
 use glam::DVec2;
 use macula::fovea::{DisplayGeometry, Kernel, KfrMapping, LpCoord};
-use macula::headless::{DeviceOptions, HeadlessDevice};
+use macula::headless::{self, DeviceOptions, DeviceReport, HeadlessDevice};
 use macula::io::image_file;
 use macula::quality::compare::{self, Comparison};
 use macula::scene::Scene;
 use macula::scene::hall::{self, HallOptions};
 use macula::scene::load::{LoadOptions, load};
-use serde::Serialize;
 use std::path::Path;
 
 /// A kernel of given polynomial coefficients.
@@ -107,56 +106,7 @@ pub fn device(no_validation: bool) -> Result<HeadlessDevice, Failure> {
     Ok(HeadlessDevice::new(&DeviceOptions { validation: !no_validation })?)
 }
 
-/// One Vulkan device and what it can do for us.
-#[derive(Clone, Debug, Serialize)]
-pub struct DeviceReport {
-    /// The device.
-    pub name: String,
-    /// Its driver, with version.
-    pub driver: String,
-    /// The Vulkan version that it offers.
-    pub api_version: String,
-    /// Discrete, integrated, virtual, or a CPU.
-    pub device_type: String,
-    /// Whether the engine runs on it.
-    pub usable: bool,
-    /// Vulkan features.
-    pub features: Vec<FeatureReport>,
-    /// Limits by name.
-    pub limits: Vec<(String, u64)>,
-}
-
-/// One feature of a device.
-#[derive(Clone, Debug, Serialize)]
-pub struct FeatureReport {
-    /// Vulkan's name for it.
-    pub name: String,
-    /// Whether the device has it.
-    pub present: bool,
-    /// What of ours needs it.
-    pub needed_for: String,
-}
-
-/// All devices that the system offers.
-pub fn device_reports() -> Result<Vec<DeviceReport>, Failure> {
-    let device = match HeadlessDevice::new(&DeviceOptions::default()) {
-        Ok(device) => device,
-        Err(macula::Error::NoDevice(_)) => return Ok(Vec::new()),
-        Err(error) => return Err(error.into()),
-    };
-    Ok(vec![DeviceReport {
-        name: device.name().to_owned(),
-        driver: device.driver().to_owned(),
-        api_version: "1.3".into(),
-        device_type: String::new(),
-        usable: true,
-        features: Vec::new(),
-        limits: Vec::new(),
-    }])
-}
-
-/// Whether the validation layer is installed; asking costs a device.
-pub fn validation_is_installed() -> Option<bool> {
-    let device = HeadlessDevice::new(&DeviceOptions { validation: true }).ok()?;
-    Some(device.validation_messages().is_some())
+/// Every Vulkan device of this machine, best first, and whether the validation layer is installed.
+pub fn device_reports() -> Result<(Vec<DeviceReport>, bool), Failure> {
+    Ok(headless::device_reports()?)
 }

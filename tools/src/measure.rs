@@ -3,8 +3,10 @@
 //! Variants are measured alternately, because clocks and other load drift over minutes: the ratio
 //! within a pair is far steadier than the ratio of two separate series.
 
+use crate::failure::Failure;
 use macula::stats::FrameStats;
 use serde::Serialize;
+use std::time::{Duration, Instant};
 
 /// The median; the mean of the middle two for an even number. `None` of nothing.
 pub fn median(values: &[f64]) -> Option<f64> {
@@ -27,22 +29,60 @@ pub struct Pairs<T> {
     pub second: Vec<T>,
 }
 
-/// Measures `count` pairs; in every other pair the second variant goes first, so that neither
-/// always profits from what the other left in the caches.
+/// How many pairs are measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PairCount {
+    /// So many.
+    Fixed(u32),
+    /// An odd number, so that the median is one of them: as many as fit a time, within bounds.
+    Within {
+        /// The time.
+        budget: Duration,
+        /// At least so many, from 1.
+        least: u32,
+        /// At most so many.
+        most: u32,
+    },
+}
+
+impl PairCount {
+    /// How many there are in all, after the first took `first`.
+    fn after(self, first: Duration) -> u32 {
+        match self {
+            Self::Fixed(count) => count,
+            Self::Within { budget, least, most } => {
+                let fit = budget.as_secs_f64() / first.as_secs_f64().max(1e-6);
+                ((fit as u32).clamp(least, most) - 1) | 1
+            }
+        }
+    }
+}
+
+/// Measures pairs; in every other pair the second variant goes first, so that neither always
+/// profits from what the other left in the caches.
 ///
 /// # Errors
 /// The first one of `measure`, whose argument is `true` for the second variant.
 pub fn measure_pairs<T, E>(
-    count: usize,
+    count: PairCount,
     mut measure: impl FnMut(bool) -> Result<T, E>,
+    mut progress: impl FnMut(f64),
 ) -> Result<Pairs<T>, E> {
-    let mut pairs = Pairs { first: Vec::with_capacity(count), second: Vec::with_capacity(count) };
-    for pair in 0..count {
-        let swapped = pair % 2 == 1;
+    let mut pairs = Pairs { first: Vec::new(), second: Vec::new() };
+    let begun = Instant::now();
+    let mut wanted = 1;
+    let mut done = 0;
+    while done < wanted {
+        let swapped = done % 2 == 1;
         for second in [swapped, !swapped] {
             let result = measure(second)?;
             if second { &mut pairs.second } else { &mut pairs.first }.push(result);
         }
+        if done == 0 {
+            wanted = count.after(begun.elapsed());
+        }
+        done += 1;
+        progress(f64::from(done) / f64::from(wanted));
     }
     Ok(pairs)
 }
@@ -101,6 +141,18 @@ pub fn gpu_times(frames: &[FrameStats]) -> Vec<f64> {
     frames.iter().map(|frame| frame.gpu_ms).collect()
 }
 
+/// The time of a pass that must be there.
+///
+/// # Errors
+/// Where the frame has no pass of this name: a renamed pass must not count as one that costs nothing.
+pub fn time_of(passes: &[PassMedian], name: &str) -> Result<f64, Failure> {
+    let found = passes.iter().find(|pass| pass.name == name);
+    found.map(|pass| pass.gpu_ms).ok_or_else(|| {
+        let names = passes.iter().map(|pass| pass.name).collect::<Vec<_>>().join(", ");
+        Failure::environment(format!("the frame has no pass `{name}`, only {names}; please report this"))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -116,21 +168,40 @@ mod tests {
     #[test]
     fn pairs_alternate_and_every_other_one_is_swapped() {
         let mut order = String::new();
-        let pairs = measure_pairs(3, |second| {
+        let mut shares = Vec::new();
+        let measure = |second| {
             order.push(if second { 'B' } else { 'A' });
             Ok::<_, ()>(second)
-        });
+        };
+        let pairs = measure_pairs(PairCount::Fixed(3), measure, |share| shares.push(share));
+        assert_eq!((shares.len(), shares.last()), (3, Some(&1.0)));
         assert_eq!(order, "ABBAAB");
         assert_eq!(pairs, Ok(Pairs { first: vec![false; 3], second: vec![true; 3] }));
     }
 
     #[test]
+    fn slow_pairs_are_few_but_not_too_few() {
+        let count = PairCount::Within { budget: Duration::from_secs(60), least: 3, most: 9 };
+        let of_millis = |millis| count.after(Duration::from_millis(millis));
+        assert_eq!([0, 100, 10_000, 30_000].map(of_millis), [9, 9, 5, 3]);
+    }
+
+    #[test]
+    fn passes_are_looked_up_by_name() {
+        let passes = [PassMedian { name: "inverse", gpu_ms: 2.0 }];
+        assert!(matches!(time_of(&passes, "inverse"), Ok(2.0)));
+        let Err(failure) = time_of(&passes, "inverze") else { panic!("a missing pass has a time") };
+        assert!(failure.line().is_some_and(|line| line.contains("`inverze`")), "{failure:?}");
+    }
+
+    #[test]
     fn a_failing_measurement_ends_the_series() {
         let mut calls = 0;
-        let result = measure_pairs(5, |_| {
+        let measure = |_| {
             calls += 1;
             if calls == 3 { Err("lost") } else { Ok(()) }
-        });
+        };
+        let result = measure_pairs(PairCount::Fixed(5), measure, |_| ());
         assert_eq!((result, calls), (Err("lost"), 3));
     }
 

@@ -4,7 +4,7 @@ use crate::commands::compare::decibels;
 use crate::content::{CameraArgs, Source, Subject};
 use crate::failure::Failure;
 use crate::library;
-use crate::measure::{Pairs, gpu_times, measure_pairs, median, pass_medians, speedup};
+use crate::measure::{PairCount, gpu_times, measure_pairs, median, pass_medians, speedup};
 use crate::options::{HallArgs, gaze_px, parse_hfov, parse_size};
 use crate::output::{self, grouped};
 use crate::page::picture::{difference_times_4, lp_picture};
@@ -19,12 +19,22 @@ use macula::stats::FrameStats;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Gaze points as fractions of the display, with the names that files and the page use.
-const GAZES: [(&str, [f64; 2]); 3] = [("centre", [0.5, 0.5]), ("left", [0.2, 0.6]), ("corner", [0.85, 0.2])];
+/// What is shown: names of files, names on the page, and the gaze as fractions of the display.
+type Shot = (&'static str, &'static str, [f64; 2]);
 
-/// Render the generated hall at three gaze points, fully and foveated; leave pictures and a page
+/// In the generated hall.
+const HALL_SHOTS: [Shot; 3] = [
+    ("centre", "Hall, centre", [0.5, 0.5]),
+    ("lower-left", "Hall, lower left", [0.22, 0.72]),
+    ("upper-right", "Hall, upper right", [0.8, 0.25]),
+];
+
+/// In the ray-marched scene.
+const SDF_SHOT: Shot = ("ray-marched", "Ray-marched", [0.5, 0.5]);
+
+/// Render fully and foveated: the generated hall at three gaze points, a ray-marched scene at one
 ///
-/// The page index.html holds everything: open it in any browser. The folder is made if need be.
+/// Leaves pictures, prints a table, and writes a page. The page index.html holds everything: open it in any browser. The folder is made if need be.
 #[derive(Args, Debug)]
 #[command(
     after_help = "Examples:\n  macula demo\n  macula demo -o out/large --size 1920x1080 --triangles 250000"
@@ -45,8 +55,8 @@ pub struct DemoArgs {
     /// Lights of the hall, 1 to 1000
     #[arg(long, value_name = "N", default_value_t = 64)]
     lights: u32,
-    /// Pairs of frames measured at each gaze
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    /// Pairs of frames measured for each picture
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     runs: u32,
 }
 
@@ -60,7 +70,7 @@ impl DemoArgs {
     }
 }
 
-/// The renderers of one view.
+/// The renderers of one scene.
 struct Stage<'a> {
     args: &'a DemoArgs,
     world_from_view: DMat4,
@@ -75,13 +85,18 @@ impl<'a> Stage<'a> {
         let kfr = args.settings(Method::Kfr(KfrSettings::default()));
         let rings = RenderSettings { view: View::Rings, ..kfr.clone() };
         let content = GpuContent::upload(device, &subject.content(None))?;
-        Ok(Self {
+        let mut stage = Self {
             args,
             world_from_view: CameraArgs::default().world_from_view(subject, &full.display)?,
             full: OffscreenRenderer::new(device, &content, &full)?,
             kfr: OffscreenRenderer::new(device, &content, &kfr)?,
             rings: OffscreenRenderer::new(device, &content, &rings)?,
-        })
+        };
+        // The first frame's time holds what the driver compiles when it first runs a pass.
+        let input = stage.input([0.5, 0.5]);
+        stage.full.render(&input)?;
+        stage.kfr.render(&input)?;
+        Ok(stage)
     }
 
     fn input(&self, gaze: [f64; 2]) -> FrameInput {
@@ -89,39 +104,36 @@ impl<'a> Stage<'a> {
         FrameInput { world_from_view: self.world_from_view, gaze_px }
     }
 
-    /// Alternating pairs at one gaze, after one warm-up of each.
-    fn measure(&mut self, gaze: [f64; 2]) -> Result<Pairs<FrameStats>, Failure> {
+    /// Measures and writes the pictures of one shot, and gathers what the page shows of it. The full
+    /// picture, which does not depend on the gaze, is in the first shot of a scene only.
+    fn part(&mut self, (slug, title, gaze): Shot, full_slug: Option<&str>) -> Result<GazePart, Failure> {
         let input = self.input(gaze);
-        self.full.render(&input)?;
-        self.kfr.render(&input)?;
-        let pairs = measure_pairs(self.args.runs as usize, |second| {
+        let render = |second| {
             let renderer = if second { &mut self.kfr } else { &mut self.full };
             renderer.render(&input)
-        })?;
-        Ok(pairs)
-    }
-
-    /// Writes one gaze's pictures and gathers what the page shows of it.
-    fn part(&mut self, name: &'static str, gaze: [f64; 2], full: &[u8]) -> Result<GazePart, Failure> {
-        let pairs = self.measure(gaze)?;
+        };
+        let pairs = measure_pairs(PairCount::Fixed(self.args.runs), render, |_| ())?;
         let (full_times, kfr_times) = (gpu_times(&pairs.first), gpu_times(&pairs.second));
         let no_times = || Failure::environment("the device measures no GPU times; choose another device");
         let size = self.args.size;
+        let full = self.full.read_rgba8()?;
         let foveated = self.kfr.read_rgba8()?;
         let (lp_width, lp_height, lp_linear) = self.kfr.read_lp()?.unwrap_or_default();
         let settings = self.args.settings(Method::Full);
         let lp_rgba8 = lp_picture(&lp_linear, settings.tone_map, settings.exposure);
-        self.rings.render(&self.input(gaze))?;
+        self.rings.render(&input)?;
         let rings = self.rings.read_rgba8()?;
         let samples = |frames: &[FrameStats]| frames.last().map_or(0, |frame| frame.samples_shaded);
         let picture = |kind: &str, size: [u32; 2], rgba8: &[u8]| {
-            written_png(&self.args.picture_path(&format!("{name}-{kind}")), size, rgba8)
+            written_png(&self.args.picture_path(&format!("{slug}-{kind}")), size, rgba8)
         };
+        let full_png = full_slug.map(|slug| written_png(&self.args.picture_path(slug), size, &full));
         Ok(GazePart {
-            name,
+            name: title,
             gaze,
+            full_png: full_png.transpose()?,
             kfr_png: picture("foveated", size, &foveated)?,
-            difference_png: picture("difference", size, &difference_times_4(full, &foveated))?,
+            difference_png: picture("difference", size, &difference_times_4(&full, &foveated))?,
             rings_png: picture("rings", size, &rings)?,
             lp_png: picture("lp-buffer", [lp_width, lp_height], &lp_rgba8)?,
             lp: pairs.second.last().and_then(|frame| frame.lp).unwrap_or_default(),
@@ -131,7 +143,7 @@ impl<'a> Stage<'a> {
             samples: [samples(&pairs.first), samples(&pairs.second)],
             passes: pass_medians(&pairs.second),
             error: library::compare_pictures(
-                full,
+                &full,
                 &foveated,
                 size,
                 Some((&settings.display, gaze_px(gaze.into(), size))),
@@ -154,25 +166,33 @@ pub fn run(args: &DemoArgs, json: bool) -> Result<(), Failure> {
     args.settings(Method::Kfr(KfrSettings::default())).check()?;
     let hall = HallArgs { triangles: Some(args.triangles), lights: Some(args.lights), seed: None };
     library::hall_options(&hall)?;
-    std::fs::create_dir_all(&args.output).map_err(|error| macula::Error::io(&args.output, error))?;
-    let mut steps = Steps::long(4 + GAZES.len() as u64);
-    steps.next("generating and loading the hall");
-    let subject = Source::Hall.open(&hall, 0.0)?;
-    steps.next("preparing the device");
-    let device = library::device(true)?;
-    let mut stage = Stage::new(args, &device, &subject)?;
-    steps.next("full shading");
-    stage.full.render(&stage.input(GAZES[0].1))?;
-    let full = stage.full.read_rgba8()?;
-    let full_png = written_png(&args.picture_path("full"), args.size, &full)?;
-    let mut gazes = Vec::new();
-    for (name, gaze) in GAZES {
-        steps.next(&format!("full and foveated, gaze {name}"));
-        gazes.push(stage.part(name, gaze, &full)?);
+    if args.output.exists() && !args.output.is_dir() {
+        let path = args.output.display();
+        return Err(Failure::environment(format!("{path}: is not a folder; name another with --output")));
     }
+    let device = library::device(true)?;
+    let mut steps = Steps::long(5.0 + HALL_SHOTS.len() as f64);
+    steps.next("generating and loading the hall");
+    let hall = Source::Hall.open(&hall, 0.0)?;
+    steps.next("preparing the hall");
+    let mut stage = Stage::new(args, &device, &hall)?;
+    // Only now, so that a size beyond the device's limits leaves no empty folder behind.
+    std::fs::create_dir_all(&args.output).map_err(|error| macula::Error::io(&args.output, error))?;
+    let mut gazes = Vec::new();
+    for (index, shot) in HALL_SHOTS.into_iter().enumerate() {
+        steps.next(&format!("{}: full and foveated", shot.1));
+        gazes.push(stage.part(shot, (index == 0).then_some("full"))?);
+    }
+    let effects = stage.kfr.effects().clone();
+    drop(stage);
+    steps.next("preparing the ray-marched scene");
+    let mut stage = Stage::new(args, &device, &Subject::Sdf)?;
+    steps.next(&format!("{}: full and foveated", SDF_SHOT.1));
+    gazes.push(stage.part(SDF_SHOT, Some("ray-marched-full"))?);
+    drop(stage);
     steps.next("writing the page");
-    let facts = facts(args, &device, &subject);
-    let page = Page { size: args.size, facts, full_png, gazes, effects: stage.kfr.effects() };
+    let facts = facts(args, &device, &hall);
+    let page = Page { size: args.size, facts, gazes, effects: &effects };
     let path = args.output.join("index.html");
     library::write_file(&path, page.html().as_bytes())?;
     drop(steps);
@@ -193,10 +213,17 @@ fn facts(args: &DemoArgs, device: &HeadlessDevice, subject: &Subject) -> Vec<(&'
     vec![
         ("Device", device.name().to_owned()),
         ("Driver", device.driver().to_owned()),
-        ("Scene", format!("generated hall, {} triangles, {} lights", grouped(triangles), args.lights)),
+        (
+            "Scenes",
+            format!(
+                "generated hall, {} triangles, {} lights; ray-marched primitives",
+                grouped(triangles),
+                args.lights
+            ),
+        ),
         ("Display", format!("{}×{} px, {} degrees across", args.size[0], args.size[1], args.hfov_deg)),
         ("Method", "kernel foveated rendering, sigma 1.8, kernel x^4, LP filter on".into()),
-        ("Measured", format!("{} alternating pairs at each gaze, after a warm-up", args.runs)),
+        ("Measured", format!("{} alternating pairs for each row, after a warm-up", args.runs)),
         ("Program", format!("macula {}", env!("CARGO_PKG_VERSION"))),
     ]
 }
@@ -213,14 +240,22 @@ fn table(page: &Page<'_>) -> String {
             decibels(part.error.psnr_within_5_deg_db),
         ]
     };
-    let header =
-        ["gaze", "full ms", "foveated ms", "speed-up", "samples full", "samples foveated", "PSNR within 5°"];
+    let header = [
+        "scene and gaze",
+        "full ms",
+        "foveated ms",
+        "speed-up",
+        "samples full",
+        "samples foveated",
+        "PSNR within 5°",
+    ];
     output::table(&header, &page.gazes.iter().map(row).collect::<Vec<_>>())
 }
 
 fn report(args: &DemoArgs, device: &HeadlessDevice, page: &Page<'_>, path: &Path) -> serde_json::Value {
     let row = |part: &GazePart| {
         json!({
+            "name": part.name,
             "gaze": part.gaze,
             "full_ms": part.full_ms,
             "kfr_ms": part.kfr_ms,

@@ -1,6 +1,6 @@
 //! `macula render`: one picture and what it cost.
 
-use crate::content::{CameraArgs, Source, load_environment, parse_source};
+use crate::content::{CameraArgs, Source, load_environment, neutral_light, parse_source};
 use crate::failure::Failure;
 use crate::library;
 use crate::measure::{PassMedian, gpu_times, median, pass_medians};
@@ -116,7 +116,7 @@ pub struct RenderArgs {
     /// Run every effect, also those that the scene does not call for
     #[arg(long, help_heading = "Running")]
     force_effects: bool,
-    /// Frames to render; with more than one the first warms up and times are medians of the others
+    /// Frames to measure, after one that warms up; times are their medians
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = "Running")]
     frames: u32,
     /// Do not use the Vulkan validation layer, which is on where it is installed
@@ -140,6 +140,7 @@ struct Report<'a> {
     lp: Option<LpStats>,
     effects: &'a Effects,
     non_finite: Option<u64>,
+    holes: Option<u64>,
     validation_messages: Option<u64>,
     validation: &'static str,
     warnings: Vec<String>,
@@ -154,12 +155,15 @@ pub fn run(args: &RenderArgs, json: bool) -> Result<(), Failure> {
     for path in [Some(&args.output), args.lp_out.as_ref()].into_iter().flatten() {
         check_folder(path)?;
     }
-    let mut steps = Steps::short(3 + u64::from(args.frames));
+    let mut steps = Steps::short(4 + u64::from(args.frames));
     steps.next("loading");
     let mut warnings = Vec::new();
     let subject = args.scene.open(&args.hall, args.time.unwrap_or(0.0))?;
     warnings.extend(subject.scene().map(|scene| scene.warnings.clone()).unwrap_or_default());
-    let environment = args.env.as_deref().map(|path| load_environment(path, &mut warnings)).transpose()?;
+    let environment = match &args.env {
+        Some(path) => Some(load_environment(path, &mut warnings)?),
+        None => neutral_light(&subject, &mut warnings),
+    };
     let input = FrameInput {
         world_from_view: args.camera.world_from_view(&subject, &settings.display)?,
         gaze_px: gaze_px(args.gaze, args.display.size),
@@ -168,6 +172,9 @@ pub fn run(args: &RenderArgs, json: bool) -> Result<(), Failure> {
     let device = library::device(args.no_validation)?;
     let content = GpuContent::upload(&device, &subject.content(environment.as_ref()))?;
     let mut renderer = OffscreenRenderer::new(&device, &content, &settings)?;
+    // The first frame's time holds what the driver compiles when it first runs a pass.
+    steps.next("warming up");
+    renderer.render(&input)?;
     let mut frames = Vec::new();
     for _ in 0..args.frames {
         steps.next("rendering");
@@ -337,7 +344,6 @@ fn report<'a>(
     mut warnings: Vec<String>,
 ) -> Report<'a> {
     let last = frames.last().cloned().unwrap_or_default();
-    let timed = if frames.len() > 1 { &frames[1..] } else { frames };
     let validation_messages = device.validation_messages();
     let validation = match validation_messages {
         Some(_) => "on",
@@ -347,6 +353,13 @@ fn report<'a>(
     let non_finite = frames.iter().filter_map(|frame| frame.non_finite).max();
     if let Some(count) = non_finite.filter(|count| *count > 0) {
         warnings.push(format!("{count} values in the frame's buffers are NaN or infinite"));
+    }
+    let holes = frames.iter().filter_map(|frame| frame.holes).max();
+    if let Some(count) = holes.filter(|count| *count > 0) {
+        warnings.push(format!("{count} pixels were reached by no sample"));
+    }
+    if last.gaze_held {
+        warnings.push("the gaze is not finite; the display's centre was taken".into());
     }
     if let Some(count) = validation_messages.filter(|count| *count > 0) {
         warnings.push(format!("the validation layer sent {count} messages; please report them"));
@@ -359,12 +372,13 @@ fn report<'a>(
             MethodName::Full => "full",
             MethodName::Kfr => "kfr",
         },
-        passes: pass_medians(timed),
-        gpu_ms: median(&gpu_times(timed)).unwrap_or(last.gpu_ms),
+        passes: pass_medians(frames),
+        gpu_ms: median(&gpu_times(frames)).unwrap_or(last.gpu_ms),
         samples_shaded: last.samples_shaded,
         lp: last.lp,
         effects: renderer.effects(),
         non_finite,
+        holes,
         validation_messages,
         validation,
         warnings,
@@ -399,7 +413,7 @@ fn print_text(args: &RenderArgs, report: &Report<'_>) -> Result<(), Failure> {
         }
     }
     let count = |count: Option<u64>| count.map_or("not checked".into(), |count| count.to_string());
-    text += &format!("not finite {}\n", count(report.non_finite));
+    text += &format!("not finite {}, holes {}\n", count(report.non_finite), count(report.holes));
     text += &format!("validation {}, messages: {}\n", report.validation, count(report.validation_messages));
     output::print(&text)
 }

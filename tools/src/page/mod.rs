@@ -19,9 +19,7 @@ pub struct Page<'a> {
     pub size: [u32; 2],
     /// Lines of what was rendered and on what.
     pub facts: Vec<(&'static str, String)>,
-    /// The fully shaded picture as a PNG file.
-    pub full_png: Vec<u8>,
-    /// One for each gaze.
+    /// One for each scene and gaze.
     pub gazes: Vec<GazePart>,
     /// What the effect plan decided.
     pub effects: &'a Effects,
@@ -33,6 +31,8 @@ pub struct GazePart {
     pub name: &'static str,
     /// Fractions of the display.
     pub gaze: [f64; 2],
+    /// The fully shaded picture as a PNG file; `None` where it is that of the part before.
+    pub full_png: Option<Vec<u8>>,
     /// The foveated picture as a PNG file.
     pub kfr_png: Vec<u8>,
     /// The difference between both, amplified, as a PNG file.
@@ -104,8 +104,8 @@ impl Page<'_> {
         let [width, height] = self.size;
         let name = escaped(part.name);
         let hidden = if index == 0 { "" } else { " hidden" };
-        // The full picture is embedded once; the script hands it to the other sections.
-        let full = if index == 0 { source(&self.full_png) } else { String::new() };
+        // A full picture is embedded once; the script hands it to the sections that follow.
+        let full = part.full_png.as_deref().map(source).unwrap_or_default();
         let over = |view: &str, alt: &str, png: &[u8], hidden: &str| {
             format!(
                 "<img class=\"over\" data-view=\"{view}\" width=\"{width}\" height=\"{height}\" \
@@ -114,7 +114,7 @@ impl Page<'_> {
             )
         };
         let [x, y] = part.gaze.map(|fraction| fraction * 100.0);
-        let LpStats { width: lp_width, height: lp_height, on_display, .. } = part.lp;
+        let LpStats { width: lp_width, height: lp_height, shaded, native_pixels, .. } = part.lp;
         format!(
             "<section class=\"gaze\" data-gaze=\"{index}\" aria-label=\"Gaze {name}\"{hidden}>\n\
              <h3 class=\"print-only\">Gaze {name}</h3>\n\
@@ -129,14 +129,14 @@ impl Page<'_> {
              <figure class=\"lp\"><img width=\"{lp_width}\" height=\"{lp_height}\" \
              alt=\"LP-buffer, gaze {name}\"{}>\n\
              <figcaption>The LP-buffer, {lp_width}×{lp_height} texels: the distance from the gaze runs to \
-             the right, the angle downwards. Shaded are the texels that land on the display ({} of {}); the \
-             others stay empty.</figcaption></figure>\n</section>\n",
+             the right, the angle downwards. {} texels are shaded. The dark ones miss the display, or lie at \
+             the gaze, where {} pixels are shaded one by one instead.</figcaption></figure>\n</section>\n",
             over("foveated", "Foveated", &part.kfr_png, ""),
             over("difference", "Difference times 4", &part.difference_png, " hidden"),
             over("rings", "Rings of eccentricity", &part.rings_png, " hidden"),
             source(&part.lp_png),
-            grouped(on_display),
-            grouped(part.lp.texels),
+            grouped(shaded),
+            grouped(native_pixels),
         )
     }
 
@@ -228,6 +228,7 @@ mod tests {
             rings_png: vec![3],
             lp_png: vec![4],
             lp: LpStats { width: 5, height: 3, texels: 15, on_display: 9, ..LpStats::default() },
+            full_png: None,
             full_ms: 30.0,
             kfr_ms: 10.0,
             speedup: 3.0,
@@ -243,8 +244,11 @@ mod tests {
         let page = Page {
             size: [1920, 1080],
             facts: vec![("Device", "a \"GPU\"".into())],
-            full_png: vec![7; 3],
-            gazes: vec![part("centre"), part("left")],
+            gazes: vec![
+                GazePart { full_png: Some(vec![7; 3]), ..part("centre") },
+                part("left"),
+                GazePart { full_png: Some(vec![8; 3]), ..part("other scene") },
+            ],
             effects: &effects,
         };
         page.html()
@@ -263,7 +267,7 @@ mod tests {
     #[test]
     fn every_picture_is_embedded_once() {
         let html = html();
-        assert_eq!(html.matches("data:image/png;base64,").count(), 1 + 2 * 4);
+        assert_eq!(html.matches("data:image/png;base64,").count(), 2 + 3 * 4);
         assert_eq!(html.matches(&source(&[7; 3])).count(), 1);
     }
 

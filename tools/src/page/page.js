@@ -2,9 +2,12 @@
 const sections = [...document.querySelectorAll("section.gaze")];
 const stacks = [...document.querySelectorAll(".stack")];
 
-// The full picture does not depend on the gaze: it is embedded once and shown in every section.
-const full = document.querySelector("img.under").src;
-for (const image of document.querySelectorAll("img.under:not([src])")) image.src = full;
+// A full picture does not depend on the gaze: it is embedded once and shown in the sections that follow.
+let full = "";
+for (const image of document.querySelectorAll("img.under")) {
+  if (image.hasAttribute("src")) full = image.src;
+  else image.src = full;
+}
 
 // One position for all sections, so that changing the gaze keeps the slider where it is.
 function place(at) {

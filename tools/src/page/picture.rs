@@ -2,13 +2,16 @@
 
 use macula::settings::ToneMap;
 
-/// The LP-buffer for looking at: tone-mapped, transparent where nothing was shaded.
+/// Where nothing was shaded: dark grey, which no shadow is taken for.
+const NOT_SHADED: [u8; 4] = [36, 36, 40, 255];
+
+/// The LP-buffer for looking at: tone-mapped like the picture, dark grey where nothing was shaded.
 pub fn lp_picture(linear: &[f32], tone_map: ToneMap, exposure: f32) -> Vec<u8> {
     let texels = linear.chunks_exact(4);
     texels
         .flat_map(|texel| {
             if texel[3] <= 0.0 {
-                return [0; 4];
+                return NOT_SHADED;
             }
             let [red, green, blue] = [texel[0], texel[1], texel[2]].map(|value| {
                 let value = (value * exposure).max(0.0);
@@ -33,10 +36,10 @@ pub fn difference_times_4(a: &[u8], b: &[u8]) -> Vec<u8> {
         .collect()
 }
 
-/// A rational fit of the ACES curve, one channel at a time: for looking at the LP-buffer only.
+/// The curve of the output pass: the rational fit by K. Narkowicz (2015).
 fn aces(value: f32) -> f32 {
-    // Above this the curve is flat, and infinity would become NaN.
-    let value = value.min(1e4);
+    // Far above this the curve is flat, and infinity would become NaN.
+    let value = value.min(1e6);
     value * (2.51 * value + 0.03) / (value * (2.43 * value + 0.59) + 0.14)
 }
 
@@ -51,9 +54,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_not_shaded_is_transparent() {
+    fn what_was_not_shaded_is_dark_grey() {
         let picture = lp_picture(&[1.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.5, 1.0], ToneMap::None, 1.0);
-        assert_eq!(picture, [0, 0, 0, 0, 255, 0, 188, 255]);
+        assert_eq!(picture, [36, 36, 40, 255, 255, 0, 188, 255]);
     }
 
     #[test]
@@ -62,6 +65,13 @@ mod tests {
         let picture = lp_picture(texels.as_flattened(), ToneMap::Aces, 1.0);
         let reds = picture.chunks_exact(4).map(|texel| texel[0]).collect::<Vec<_>>();
         assert!(reds.is_sorted() && reds[0] == 0 && reds[5] == 255, "{reds:?}");
+    }
+
+    #[test]
+    fn exposure_acts_before_the_curve() {
+        // The published fit at 0.5 is 0.6163, in sRGB 206.
+        let picture = lp_picture(&[0.25, 0.25, 0.25, 1.0], ToneMap::Aces, 2.0);
+        assert_eq!(picture, [206, 206, 206, 255]);
     }
 
     #[test]

@@ -6,10 +6,12 @@ mod run;
 
 use crate::content::{Source, parse_source};
 use crate::failure::Failure;
+use crate::measure::PairCount;
 use crate::options::{KernelArgs, parse_hfov, parse_pair, parse_size};
 use crate::output;
 use clap::{Args, Subcommand};
 use glam::DVec2;
+use std::time::Duration;
 
 /// Benchmarks.
 #[derive(Subcommand, Debug)]
@@ -33,9 +35,9 @@ pub struct KfrBenchArgs {
     /// Scenes: hall, sdf, or .gltf and .glb files
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', value_parser = parse_source, default_value = "hall,sdf")]
     scenes: Vec<Source>,
-    /// Pairs for each row
-    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    runs: u32,
+    /// Pairs for each row [default: as many as fit 45 seconds, 3 to 9]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    runs: Option<u32>,
     /// Lights of the hall in the sweep, which is measured at the first size
     #[arg(long, value_name = "N,..", value_delimiter = ',', default_value = "1,4,16,64,256,1000")]
     lights: Vec<u32>,
@@ -64,6 +66,13 @@ pub struct KfrBenchArgs {
     kernel: KernelArgs,
 }
 
+impl KfrBenchArgs {
+    fn pairs(&self) -> PairCount {
+        let within = PairCount::Within { budget: Duration::from_secs(45), least: 3, most: 9 };
+        self.runs.map_or(within, PairCount::Fixed)
+    }
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -71,5 +80,8 @@ pub struct KfrBenchArgs {
 pub fn run(command: &BenchCommand, json: bool) -> Result<(), Failure> {
     let BenchCommand::Kfr(args) = command;
     let results = run::run(args)?;
+    for warning in &results.warnings {
+        output::note(&format!("warning: {warning}"));
+    }
     if json { output::print_json(&results) } else { output::print(&report::text(&results)) }
 }

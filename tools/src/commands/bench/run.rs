@@ -2,10 +2,10 @@
 
 use super::KfrBenchArgs;
 use super::paper::{self, PublishedPass, PublishedRate, SceneKind};
-use crate::content::{CameraArgs, Source, Subject};
+use crate::content::{CameraArgs, Source, Subject, neutral_light};
 use crate::failure::Failure;
 use crate::library;
-use crate::measure::{PassMedian, Speedup, gpu_times, measure_pairs, median, pass_medians, speedup};
+use crate::measure::{PassMedian, Speedup, gpu_times, measure_pairs, median, pass_medians, speedup, time_of};
 use crate::options::{HallArgs, gaze_px};
 use crate::progress::Steps;
 use macula::fovea::DisplayGeometry;
@@ -13,11 +13,14 @@ use macula::headless::{FrameInput, GpuContent, HeadlessDevice, OffscreenRenderer
 use macula::settings::{KfrSettings, Method, RenderSettings};
 use macula::stats::FrameStats;
 use serde::Serialize;
+use std::time::{Duration, Instant};
 
 /// Passes that KFR adds and that the full frame does not have.
 const ADDED_PASSES: [&str; 2] = ["lp_filter", "inverse"];
 /// The pass of Eq. 2.14.
 const POST_FILTER_PASS: &str = "post_filter";
+/// No further frames with that pass are begun after this time.
+const POST_FILTER_BUDGET: Duration = Duration::from_secs(10);
 /// Below this speed-up foveation does not pay: the gain drowns in the spread of the measurement.
 const PAYS_FROM: f64 = 1.05;
 
@@ -38,8 +41,8 @@ pub struct Results {
     pub hfov_deg: f64,
     /// Fractions of the display.
     pub gaze: [f64; 2],
-    /// Pairs for each row.
-    pub runs: u32,
+    /// What was noticed while loading.
+    pub warnings: Vec<String>,
     /// Each scene at each size.
     pub rows: Vec<Row>,
     /// The hall at the first size, with different numbers of lights.
@@ -61,6 +64,8 @@ pub struct Row {
     pub scene: String,
     /// Lights in it; `None` where it is ray-marched.
     pub lights: Option<usize>,
+    /// Pairs that were measured.
+    pub runs: usize,
     /// Full shading.
     pub full_ms: f64,
     /// Foveated.
@@ -125,10 +130,14 @@ impl Loaded<'_> {
         source: &Source,
         lights: u32,
         triangles: u32,
+        warnings: &mut Vec<String>,
     ) -> Result<Loaded<'a>, Failure> {
         let hall = HallArgs { triangles: Some(triangles), lights: Some(lights), seed: None };
         let subject = source.open(&hall, 0.0)?;
-        let content = GpuContent::upload(device, &subject.content(None))?;
+        let mut noticed = subject.scene().map(|scene| scene.warnings.clone()).unwrap_or_default();
+        let environment = neutral_light(&subject, &mut noticed);
+        let content = GpuContent::upload(device, &subject.content(environment.as_ref()))?;
+        warnings.extend(noticed.into_iter().map(|warning| format!("{}: {warning}", source.name())));
         Ok(Loaded { device, content, subject, name: source.name() })
     }
 
@@ -139,8 +148,9 @@ impl Loaded<'_> {
         }
     }
 
-    /// Medians over `runs` alternating pairs after one warm-up of each.
-    fn measure(&self, args: &KfrBenchArgs, size: [u32; 2]) -> Result<Row, Failure> {
+    /// Medians over alternating pairs after one warm-up of each. The renderers, which hold most of the
+    /// GPU memory, live only as long as the row takes.
+    fn measure(&self, args: &KfrBenchArgs, size: [u32; 2], steps: &Steps) -> Result<Row, Failure> {
         let input = self.input(args, size)?;
         let full_settings = settings(args, size, Method::Full);
         let mut full = OffscreenRenderer::new(self.device, &self.content, &full_settings)?;
@@ -148,10 +158,11 @@ impl Loaded<'_> {
         let mut kfr = OffscreenRenderer::new(self.device, &self.content, &kfr_settings)?;
         full.render(&input)?;
         kfr.render(&input)?;
-        let pairs = measure_pairs(args.runs as usize, |second| {
+        let render = |second| {
             let renderer = if second { &mut kfr } else { &mut full };
             renderer.render(&input)
-        })?;
+        };
+        let pairs = measure_pairs(args.pairs(), render, |share| steps.within(share * 0.9))?;
         let published_speedup = paper::speedup(self.kind(), size);
         let lights = self.subject.scene().map(|scene| scene.lights.len());
         let row = Row { size, scene: self.name.clone(), lights, published_speedup, ..Row::default() };
@@ -163,10 +174,13 @@ impl Loaded<'_> {
         let settings = settings(args, row.size, Method::Kfr(kfr(args, true)?));
         let mut renderer = OffscreenRenderer::new(self.device, &self.content, &settings)?;
         renderer.render(&input)?;
-        let frames = (0..args.runs).map(|_| renderer.render(&input)).collect::<Result<Vec<_>, _>>()?;
+        let begun = Instant::now();
+        let mut frames = vec![renderer.render(&input)?];
+        while frames.len() < row.runs.min(5) && begun.elapsed() < POST_FILTER_BUDGET {
+            frames.push(renderer.render(&input)?);
+        }
         let passes = pass_medians(&frames);
-        let filter_ms =
-            passes.iter().filter(|pass| pass.name == POST_FILTER_PASS).map(|pass| pass.gpu_ms).sum();
+        let filter_ms = time_of(&passes, POST_FILTER_PASS)?;
         Ok(PostFilterRow {
             size: row.size,
             scene: self.name.clone(),
@@ -191,10 +205,11 @@ impl Row {
         let Speedup { median: ratio, least, greatest } = measured.ok_or_else(no_times)?;
         let full_ms = median(&full_times).ok_or_else(no_times)?;
         let passes_kfr = pass_medians(kfr);
-        let added = passes_kfr.iter().filter(|pass| ADDED_PASSES.contains(&pass.name));
-        let added_ms = added.map(|pass| pass.gpu_ms).sum::<f64>();
+        let added = ADDED_PASSES.iter().map(|name| time_of(&passes_kfr, name));
+        let added_ms = added.sum::<Result<f64, Failure>>()?;
         let samples = |frames: &[FrameStats]| frames.last().map_or(0, |frame| frame.samples_shaded);
         Ok(Self {
+            runs: full.len(),
             full_ms,
             kfr_ms: median(&kfr_times).ok_or_else(no_times)?,
             speedup: ratio,
@@ -237,6 +252,11 @@ fn check(args: &KfrBenchArgs) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The share of the whole that a row takes: pixels, and lights that shade them.
+fn weight(size: [u32; 2], lights: u32) -> f64 {
+    size.map(f64::from).iter().product::<f64>() * (30.0 + f64::from(lights))
+}
+
 /// Measures everything that was asked for.
 ///
 /// # Errors
@@ -245,23 +265,29 @@ pub fn run(args: &KfrBenchArgs) -> Result<Results, Failure> {
     check(args)?;
     // Validation would be part of what is measured.
     let device = library::device(true)?;
+    let first_size = args.sizes.first().copied().unwrap_or_default();
     let sweep = if args.no_light_sweep { &[][..] } else { &args.lights };
-    let mut steps = Steps::long((args.scenes.len() * args.sizes.len() + sweep.len()) as u64);
-    let (mut rows, mut post_filter) = (Vec::new(), Vec::new());
+    let of_sizes = args.sizes.iter().map(|&size| weight(size, args.hall_lights)).sum::<f64>();
+    let of_sweep = sweep.iter().map(|&lights| weight(first_size, lights)).sum::<f64>();
+    let mut steps = Steps::long(of_sizes * args.scenes.len() as f64 + of_sweep);
+    let (mut rows, mut post_filter, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
     for source in &args.scenes {
-        let loaded = Loaded::open(&device, source, args.hall_lights, args.triangles)?;
+        let loaded = Loaded::open(&device, source, args.hall_lights, args.triangles, &mut warnings)?;
         for &size in &args.sizes {
-            steps.next(&format!("{} at {}x{}", loaded.name, size[0], size[1]));
-            let row = loaded.measure(args, size)?;
+            let what = format!("{} at {}x{}", loaded.name, size[0], size[1]);
+            steps.next_of_weight(&what, weight(size, args.hall_lights));
+            let row = loaded.measure(args, size, &steps)?;
             post_filter.push(loaded.measure_post_filter(args, &row)?);
             rows.push(row);
         }
     }
     let mut light_sweep = Vec::new();
     for &lights in sweep {
-        let Some(&size) = args.sizes.first() else { break };
-        steps.next(&format!("hall with {lights} lights at {}x{}", size[0], size[1]));
-        light_sweep.push(Loaded::open(&device, &Source::Hall, lights, args.triangles)?.measure(args, size)?);
+        let of = if lights == 1 { "light" } else { "lights" };
+        let what = format!("hall with {lights} {of} at {}x{}", first_size[0], first_size[1]);
+        steps.next_of_weight(&what, weight(first_size, lights));
+        let loaded = Loaded::open(&device, &Source::Hall, lights, args.triangles, &mut warnings)?;
+        light_sweep.push(loaded.measure(args, first_size, &steps)?);
     }
     Ok(Results {
         device: device.name().to_owned(),
@@ -271,7 +297,7 @@ pub fn run(args: &KfrBenchArgs) -> Result<Results, Failure> {
         kernel: args.kernel.label(),
         hfov_deg: args.hfov_deg,
         gaze: args.gaze.to_array(),
-        runs: args.runs,
+        warnings,
         rows,
         light_sweep,
         post_filter,
@@ -309,10 +335,19 @@ mod tests {
 
     #[test]
     fn a_small_gain_does_not_pay() {
+        let kfr = [("lp_shade", 9.0), ("lp_filter", 0.5), ("inverse", 0.5)];
         let of =
-            |full_ms| Row::default().with_frames(&[frame(&[("a", full_ms)], 1)], &[frame(&[("a", 10.0)], 1)]);
+            |full_ms| Row::default().with_frames(&[frame(&[("full_shade", full_ms)], 1)], &[frame(&kfr, 1)]);
         assert!(of(10.4).is_ok_and(|row| !row.pays));
         assert!(of(10.6).is_ok_and(|row| row.pays));
+    }
+
+    #[test]
+    fn a_renamed_pass_is_an_error_and_not_free() {
+        let full = [frame(&[("full_shade", 20.0)], 1)];
+        let kfr = [frame(&[("lp_shade", 9.0), ("lp_filter", 0.5), ("unfold", 0.5)], 1)];
+        let Err(failure) = Row::default().with_frames(&full, &kfr) else { panic!("`inverse` is missing") };
+        assert!(failure.line().is_some_and(|line| line.contains("`inverse`")), "{failure:?}");
     }
 
     #[test]
