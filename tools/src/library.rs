@@ -29,6 +29,7 @@ pub fn hall_options(args: &HallArgs) -> Result<HallOptions, Failure> {
         triangles: args.triangles.unwrap_or(default.triangles),
         lights: args.lights.unwrap_or(default.lights),
         seed: args.seed.unwrap_or(default.seed),
+        ranged_lights: args.ranged_lights,
     };
     options.check()?;
     Ok(options)

@@ -153,6 +153,9 @@ pub struct HallArgs {
     /// Seed of the generated hall: the same seed gives the same bytes [default: 1]
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
+    /// Lamps of the generated hall end at 8 to 14 m; otherwise each reaches every surface
+    #[arg(long)]
+    pub ranged_lights: bool,
 }
 
 impl HallArgs {
@@ -162,6 +165,7 @@ impl HallArgs {
             (self.triangles.is_some(), "--triangles"),
             (self.lights.is_some(), "--lights"),
             (self.seed.is_some(), "--seed"),
+            (self.ranged_lights, "--ranged-lights"),
         ];
         given.into_iter().find_map(|(is_given, name)| is_given.then_some(name))
     }

@@ -164,7 +164,7 @@ fn written_png(path: &Path, size: [u32; 2], rgba8: &[u8]) -> Result<Vec<u8>, Fai
 /// Options out of range, a folder that cannot be written, and what rendering reports.
 pub fn run(args: &DemoArgs, json: bool) -> Result<(), Failure> {
     args.settings(Method::Kfr(KfrSettings::default())).check()?;
-    let hall = HallArgs { triangles: Some(args.triangles), lights: Some(args.lights), seed: None };
+    let hall = HallArgs { triangles: Some(args.triangles), lights: Some(args.lights), ..HallArgs::default() };
     library::hall_options(&hall)?;
     if args.output.exists() && !args.output.is_dir() {
         let path = args.output.display();

@@ -51,6 +51,7 @@ pub fn run(command: &SceneCommand, json: bool) -> Result<(), Failure> {
             "triangles": options.triangles,
             "lights": options.lights,
             "seed": options.seed,
+            "ranged_lights": options.ranged_lights,
         }));
     }
     output::print(&format!(

@@ -132,7 +132,7 @@ impl Loaded<'_> {
         triangles: u32,
         warnings: &mut Vec<String>,
     ) -> Result<Loaded<'a>, Failure> {
-        let hall = HallArgs { triangles: Some(triangles), lights: Some(lights), seed: None };
+        let hall = HallArgs { triangles: Some(triangles), lights: Some(lights), ..HallArgs::default() };
         let subject = source.open(&hall, 0.0)?;
         let mut noticed = subject.scene().map(|scene| scene.warnings.clone()).unwrap_or_default();
         let environment = neutral_light(&subject, &mut noticed);
@@ -246,7 +246,7 @@ fn check(args: &KfrBenchArgs) -> Result<(), Failure> {
     }
     let sweep = if args.no_light_sweep { &[][..] } else { &args.lights };
     for &lights in sweep.iter().chain([&args.hall_lights]) {
-        let hall = HallArgs { triangles: Some(args.triangles), lights: Some(lights), seed: None };
+        let hall = HallArgs { triangles: Some(args.triangles), lights: Some(lights), ..HallArgs::default() };
         library::hall_options(&hall)?;
     }
     Ok(())
