@@ -205,12 +205,7 @@ impl OffscreenRenderer {
     /// # Errors
     /// [`crate::Error::Vulkan`].
     pub fn read_hdr(&mut self) -> Result<Vec<f32>> {
-        let targets = self.renderer.targets();
-        let image = match self.renderer.settings().post_filtered() {
-            true => &targets.hdr_post,
-            false => &targets.hdr,
-        };
-        read_half(&self.context, "the radiance", image)
+        read_half(&self.context, "the radiance", &self.renderer.targets().hdr)
     }
 
     /// The last LP-buffer (width, height, linear RGBA; alpha 0 where a texel was not shaded), or

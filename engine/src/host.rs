@@ -7,7 +7,6 @@ pub use crate::gpu::context::{Context, ContextParts};
 
 /// The device features that the engine needs; all are mandatory in Vulkan 1.3, so any 1.3 device
 /// has them. A host chains this into its own `VkDeviceCreateInfo`.
-#[must_use]
 pub fn required_features() -> vk::PhysicalDeviceVulkan13Features<'static> {
     vk::PhysicalDeviceVulkan13Features::default()
         .dynamic_rendering(true)

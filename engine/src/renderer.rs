@@ -192,6 +192,8 @@ impl Renderer {
         };
         let mapping = KfrMapping::new(display, gaze_px, kernel, sigma);
         let mut params = FoveaParams::new(&mapping);
+        let disc_px = native_radius_px(&self.settings.display, gaze_px, f64::from(params.ring[0]));
+        params.ring[0] = disc_px as f32;
         // The sample list's room for native pixels bounds the disc.
         let most_px = (f64::from(self.targets.native_capacity) / std::f64::consts::PI).sqrt() - 1.0;
         params.ring[0] = params.ring[0].min(most_px.max(0.0) as f32);
@@ -300,6 +302,25 @@ impl Renderer {
     pub(crate) fn targets(&self) -> &Targets {
         &self.targets
     }
+}
+
+/// Eccentricity that the native disc should cover, degrees: the fovea and the parafovea.
+const NATIVE_DEG: f64 = 5.0;
+
+/// How much the disc may grow beyond the radius inside which texels are smaller than pixels. Farther
+/// out the mapping was asked to be coarse.
+const NATIVE_GROWTH: f64 = 1.5;
+
+/// Radius of the native disc, px: the mapping's own, or a little more where the gaze is off the view
+/// axis and a degree holds more pixels than at the display's centre.
+fn native_radius_px(display: &DisplayGeometry, gaze_px: DVec2, mapping_px: f64) -> f64 {
+    let gaze = display.ray_of_px(gaze_px).normalize();
+    // Pixels to a degree grow away from the view axis, so the farthest point of the cone around the
+    // gaze lies on the side that is away from it.
+    let outwards = (gaze.truncate().extend(0.0)).reject_from_normalized(gaze).normalize_or(DVec3::X);
+    let edge = gaze + outwards * NATIVE_DEG.to_radians().tan();
+    let wanted_px = display.px_of_ray(edge).map_or(f64::INFINITY, |px| px.distance(gaze_px));
+    mapping_px.max(wanted_px.min(NATIVE_GROWTH * mapping_px))
 }
 
 /// Stands in before the first frame.

@@ -110,12 +110,6 @@ impl RenderSettings {
         matches!(self.method, Method::Kfr(_))
     }
 
-    /// The post filter of Eq. 2.14 runs.
-    #[must_use]
-    pub fn post_filtered(&self) -> bool {
-        matches!(&self.method, Method::Kfr(kfr) if kfr.post_filter)
-    }
-
     /// Checks the ranges that do not depend on a device.
     ///
     /// # Errors

@@ -1,14 +1,16 @@
 // Gaussian on the display whose size grows from the gaze (thesis, Eq. 2.14):
 // eta = 3 + 2 ceil((r / e^L - 0.10) / 0.05). Where eta is below 3, and inside the native disc, which
-// is exact already, nothing is filtered.
+// is exact already, nothing is filtered. One axis at a time: the size varies so slowly that the two
+// passes together stay close to the Gaussian of eta^2 taps.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "shared/fovea.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 0) uniform Fovea { FoveaParams fovea; };
-layout(set = 0, binding = 1) uniform texture2D hdr;
-layout(set = 0, binding = 2, rgba16f) uniform writeonly image2D hdr_post;
+layout(set = 0, binding = 1) uniform texture2D source;
+layout(set = 0, binding = 2, rgba16f) uniform writeonly image2D filtered;
+layout(push_constant) uniform Push { ivec2 axis; };
 
 void main() {
     ivec2 px = ivec2(gl_GlobalInvocationID.xy);
@@ -20,22 +22,20 @@ void main() {
     int eta = 3 + 2 * int(ceil((r / fovea.ring.w - 0.10) / 0.05));
     int reach = r < fovea.ring.x ? 0 : max((eta - 1) / 2, 0);
     if (reach == 0) {
-        imageStore(hdr_post, px, texelFetch(hdr, px, 0));
+        imageStore(filtered, px, texelFetch(source, px, 0));
         return;
     }
     // The kernel's edge lies at two standard deviations.
     float falloff = -2.0 / float(reach * reach);
-    vec4 sum = vec4(0.0);
+    vec3 sum = vec3(0.0);
     float weights = 0.0;
-    for (int y = -reach; y <= reach; ++y) {
-        for (int x = -reach; x <= reach; ++x) {
-            ivec2 at = px + ivec2(x, y);
-            if (all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size))) {
-                float weight = exp(falloff * float(x * x + y * y));
-                sum += weight * texelFetch(hdr, at, 0);
-                weights += weight;
-            }
+    for (int tap = -reach; tap <= reach; ++tap) {
+        ivec2 at = px + tap * axis;
+        if (all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, size))) {
+            float weight = exp(falloff * float(tap * tap));
+            sum += weight * texelFetch(source, at, 0).rgb;
+            weights += weight;
         }
     }
-    imageStore(hdr_post, px, vec4(sum.rgb / weights, 1.0));
+    imageStore(filtered, px, vec4(sum / weights, 1.0));
 }

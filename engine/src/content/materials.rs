@@ -21,8 +21,11 @@ pub(super) struct GpuMaterials {
     context: Arc<Context>,
 }
 
+/// Finds a material's use of one kind of map.
+type MapOf = fn(&scene::Material) -> Option<TextureUse>;
+
 /// The names in `shaders/shared/material.glsl`, with the use that fills each.
-const MAPS: [(&str, fn(&scene::Material) -> Option<TextureUse>); 5] = [
+const MAPS: [(&str, MapOf); 5] = [
     ("base_color_map", |material| material.base_color_texture),
     ("metallic_roughness_map", |material| material.metallic_roughness_texture),
     ("normal_map", |material| material.normal_texture),

@@ -144,6 +144,7 @@ pub(crate) fn make_context(validation: bool) -> Result<Arc<Context>> {
     let validation = validation && debug_utils && has_validation_layer(&entry);
     let messages = Box::new(AtomicU64::new(0));
     let messenger = validation.then(|| make_messenger(&entry, &instance, &messages)).transpose();
+    let loader = messenger.as_ref().ok().cloned().flatten();
     let chosen = devices_by_preference(&instance).into_iter().find_map(|device| {
         let missing = host::missing_requirements(&instance, device);
         let family = queue_family(&instance, device)?;
@@ -162,8 +163,13 @@ pub(crate) fn make_context(validation: bool) -> Result<Arc<Context>> {
     let (messenger, physical_device, family, device) = match made {
         Ok(made) => made,
         Err(error) => {
-            // SAFETY: nothing else was made from the instance.
-            unsafe { instance.destroy_instance(None) };
+            // SAFETY: the messenger is all that was made from the instance.
+            unsafe {
+                if let Some((loader, messenger)) = loader {
+                    loader.destroy_debug_utils_messenger(messenger, None);
+                }
+                instance.destroy_instance(None);
+            }
             return Err(error);
         }
     };

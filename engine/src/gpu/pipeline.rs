@@ -266,7 +266,7 @@ impl ComputePipeline {
     /// [`crate::Error::Vulkan`].
     ///
     /// # Panics
-    /// See [`write_set`].
+    /// If a name that the shader declares is not bound, or bound to the wrong kind.
     pub fn new(
         context: &Arc<Context>,
         shader: &ShaderInfo,
@@ -349,7 +349,7 @@ impl GraphicsPipeline {
     /// [`crate::Error::Vulkan`].
     ///
     /// # Panics
-    /// See [`write_set`].
+    /// If a name that the shader declares is not bound, or bound to the wrong kind.
     pub fn new(
         context: &Arc<Context>,
         shaders: &[&ShaderInfo],

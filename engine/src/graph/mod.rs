@@ -6,6 +6,7 @@ mod access;
 mod plan;
 
 pub use access::{Access, Dependency, History, dependency};
+pub(crate) use plan::record_barrier;
 pub use plan::{Plan, PlanStep};
 
 use std::fmt;

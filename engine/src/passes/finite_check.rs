@@ -31,17 +31,16 @@ impl FiniteCheck {
         context: &Arc<Context>,
         targets: &Targets,
         buffers: &FrameBuffers,
-        [after_post_filter, foveated]: [bool; 2],
+        foveated: bool,
     ) -> Result<Self> {
         let build = |image: &Image| {
             let binds = [("image", Bind::Image(image)), ("Findings", Bind::PerSlot(&buffers.findings))];
             ComputePipeline::new(context, &shaders::FINITE_CHECK_COMP, &[], &binds)
         };
-        let display = if after_post_filter { &targets.hdr_post } else { &targets.hdr };
         let lp = foveated.then(|| build(&targets.lp).map(|pipeline| (pipeline, targets.lp.size)));
         Ok(Self {
-            display: build(display)?,
-            display_size: display.size,
+            display: build(&targets.hdr)?,
+            display_size: targets.hdr.size,
             lp: lp.transpose()?,
             context: context.clone(),
         })

@@ -4,7 +4,7 @@ use super::{DrawState, FrameArgs, FrameBuffers, Targets, bind_geometry, lighting
 use crate::content::GpuScene;
 use crate::error::Result;
 use crate::gpu::pipeline::{GraphicsState, Spec};
-use crate::gpu::{Context, GraphicsPipeline, Image, shaders};
+use crate::gpu::{Context, GraphicsPipeline, shaders};
 use crate::graph::Pass;
 use ash::vk;
 use std::sync::Arc;
@@ -15,8 +15,6 @@ pub struct Forward {
     context: Arc<Context>,
     scene: Arc<GpuScene>,
     targets: Arc<Targets>,
-    /// Draws over the image that the post filter wrote.
-    after_post_filter: bool,
     /// Recorded also in frames without blended surfaces.
     forced: bool,
 }
@@ -32,7 +30,7 @@ impl Forward {
         targets: &Arc<Targets>,
         buffers: &FrameBuffers,
         spec: Spec<'_>,
-        [after_post_filter, forced]: [bool; 2],
+        forced: bool,
     ) -> Result<Self> {
         let pipeline = GraphicsPipeline::new(
             context,
@@ -52,13 +50,8 @@ impl Forward {
             context: context.clone(),
             scene: scene.clone(),
             targets: targets.clone(),
-            after_post_filter,
             forced,
         })
-    }
-
-    fn image(&self) -> &Image {
-        if self.after_post_filter { &self.targets.hdr_post } else { &self.targets.hdr }
     }
 }
 
@@ -74,7 +67,7 @@ impl Pass<FrameArgs> for Forward {
                 .image_layout(vk::ImageLayout::GENERAL)
                 .load_op(vk::AttachmentLoadOp::LOAD)
         };
-        let color = [attachment(self.image().view).store_op(vk::AttachmentStoreOp::STORE)];
+        let color = [attachment(self.targets.hdr.view).store_op(vk::AttachmentStoreOp::STORE)];
         let depth = attachment(self.targets.depth.view).store_op(vk::AttachmentStoreOp::NONE);
         let [width, height] = self.targets.hdr.size;
         let info = vk::RenderingInfo::default()

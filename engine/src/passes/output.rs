@@ -33,7 +33,6 @@ impl Output {
         buffers: &FrameBuffers,
         settings: &RenderSettings,
         format: vk::Format,
-        after_post_filter: bool,
     ) -> Result<Self> {
         let tone_map = match settings.tone_map {
             ToneMap::None => 0,
@@ -46,7 +45,6 @@ impl Output {
             View::Gaze => 3,
             View::Rings => 4,
         };
-        let radiance = if after_post_filter { &targets.hdr_post } else { &targets.hdr };
         let pipeline = GraphicsPipeline::new(
             context,
             &[&shaders::OUTPUT_VERT, &shaders::OUTPUT_FRAG],
@@ -60,7 +58,7 @@ impl Output {
             &[
                 ("Frame", Bind::PerSlot(&buffers.frame)),
                 ("Fovea", Bind::PerSlot(&buffers.fovea)),
-                ("radiance", Bind::Image(radiance)),
+                ("radiance", Bind::Image(&targets.hdr)),
             ],
         )?;
         Ok(Self { pipeline, context: context.clone(), size: settings.display.size_px })

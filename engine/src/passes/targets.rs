@@ -16,7 +16,7 @@ pub struct Targets {
     pub(crate) gbuffer: Image,
     pub(crate) depth: Image,
     pub(crate) hdr: Image,
-    pub(crate) hdr_post: Image,
+    pub(crate) post_scratch: Image,
     pub(crate) lp: Image,
     pub(crate) lp_filtered: Image,
     pub(crate) shadow_maps: Image,
@@ -91,8 +91,8 @@ impl Targets {
                 false,
             )?,
             hdr: image("hdr", display, half, color | Usage::COLOR_ATTACHMENT, 1, false)?,
-            hdr_post: image(
-                "hdr after the post filter",
+            post_scratch: image(
+                "post filter scratch",
                 when(sizes.post_filter, display),
                 half,
                 color | Usage::COLOR_ATTACHMENT,
@@ -126,7 +126,7 @@ impl Targets {
                 &self.gbuffer,
                 &self.depth,
                 &self.hdr,
-                &self.hdr_post,
+                &self.post_scratch,
                 &self.lp,
                 &self.lp_filtered,
                 &self.shadow_maps,
@@ -135,7 +135,7 @@ impl Targets {
             // SAFETY: `commands` is being recorded, and the images and buffers are alive.
             unsafe {
                 let device = &context.device;
-                for image in [&self.hdr, &self.hdr_post, &self.lp, &self.lp_filtered] {
+                for image in [&self.hdr, &self.post_scratch, &self.lp, &self.lp_filtered] {
                     let black = vk::ClearColorValue { float32: [0.0; 4] };
                     let layout = vk::ImageLayout::GENERAL;
                     device.cmd_clear_color_image(commands, image.image, layout, &black, &[image.whole()]);

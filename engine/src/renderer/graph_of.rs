@@ -57,7 +57,7 @@ struct Ids {
     lp: ResourceId,
     lp_filtered: ResourceId,
     hdr: ResourceId,
-    hdr_post: ResourceId,
+    post_scratch: ResourceId,
     target: ResourceId,
     findings: ResourceId,
 }
@@ -78,7 +78,7 @@ impl Ids {
             lp: graph.resource("lp"),
             lp_filtered: graph.resource("lp filtered"),
             hdr: graph.resource("hdr"),
-            hdr_post: graph.resource("hdr after the post filter"),
+            post_scratch: graph.resource("post filter scratch"),
             target: graph.resource("target"),
             findings: graph.input("findings"),
         }
@@ -223,18 +223,13 @@ impl Builder<'_> {
         if self.effects.post_filter {
             let accesses = [
                 (ids.fovea, Access::ComputeRead),
-                (ids.hdr, Access::ComputeRead),
-                (ids.hdr_post, Access::ComputeWrite),
+                (ids.hdr, Access::ComputeReadWrite),
+                (ids.post_scratch, Access::ComputeWrite),
             ];
             graph.pass("post_filter", &accesses, PostFilter::new(context, targets, buffers)?);
         }
         graph.output(ids.stats);
         Ok(())
-    }
-
-    /// The image that holds the finished radiance.
-    fn finished(&self) -> ResourceId {
-        if self.effects.post_filter { self.ids.hdr_post } else { self.ids.hdr }
     }
 
     /// Blended surfaces, at full resolution over the finished picture: the post filter must not blur
@@ -245,30 +240,28 @@ impl Builder<'_> {
         }
         let mut spec = self.effects.shading_spec.clone();
         spec.extend_from_slice(&self.effects.material_spec);
-        let modes = [self.effects.post_filter, self.settings.force_effects];
-        let pass = Forward::new(self.context, scene, self.targets, self.buffers, &spec, modes)?;
+        let forced = self.settings.force_effects;
+        let pass = Forward::new(self.context, scene, self.targets, self.buffers, &spec, forced)?;
         let accesses = [
             (self.ids.scene, Access::VertexRead),
             (self.ids.shadow_maps, Access::FragmentRead),
             (self.ids.depth, Access::DepthTest),
-            (self.finished(), Access::ColorReadWrite),
+            (self.ids.hdr, Access::ColorReadWrite),
         ];
         self.graph.pass("forward", &accesses, pass);
         Ok(())
     }
 
     fn finish(mut self, format: vk::Format) -> Result<Plan<FrameArgs>> {
-        let finished = self.finished();
-        let post = self.effects.post_filter;
-        let pass = Output::new(self.context, self.targets, self.buffers, self.settings, format, post)?;
-        let accesses = [(finished, Access::FragmentRead), (self.ids.target, Access::ColorWrite)];
+        let pass = Output::new(self.context, self.targets, self.buffers, self.settings, format)?;
+        let accesses = [(self.ids.hdr, Access::FragmentRead), (self.ids.target, Access::ColorWrite)];
         self.graph.pass("output", &accesses, pass);
         self.graph.output(self.ids.target);
         if self.settings.check_finite {
             let foveated = matches!(self.settings.method, Method::Kfr(_));
-            let pass = FiniteCheck::new(self.context, self.targets, self.buffers, [post, foveated])?;
+            let pass = FiniteCheck::new(self.context, self.targets, self.buffers, foveated)?;
             let mut accesses =
-                vec![(finished, Access::ComputeRead), (self.ids.findings, Access::ComputeReadWrite)];
+                vec![(self.ids.hdr, Access::ComputeRead), (self.ids.findings, Access::ComputeReadWrite)];
             if foveated {
                 accesses.push((self.ids.lp, Access::ComputeRead));
             }

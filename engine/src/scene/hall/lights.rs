@@ -6,10 +6,10 @@ use super::structure::{AISLE_HEIGHT, BAYS, HALF_LENGTH, NAVE_HALF, OUTER_HALF, b
 use glam::{DVec3, dvec3};
 
 /// Illuminance by the sun, lux: a patch of sunlight on a pale floor comes out near white.
-const SUN_LUX: f64 = 16.0;
+const SUN_LUX: f64 = 10.0;
 /// Candela of all lamps together; shared among them, so that the hall stays as bright whatever
 /// their number. Turned up, the hall gets brighter in proportion.
-const LAMPS_CANDELA: f64 = 2200.0;
+const LAMPS_CANDELA: f64 = 1000.0;
 /// No lamp is brighter, where there are few.
 const BRIGHTEST_CANDELA: f64 = 90.0;
 
