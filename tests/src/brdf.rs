@@ -43,7 +43,8 @@ pub fn radiance(surface: &Surface, normal: DVec3, light: DVec3, view: DVec3, lux
 /// Illuminance across the direction of a light of `candela`, with the extension's range window.
 #[must_use]
 pub fn lux_at(candela: f64, distance_m: f64, range_m: f64) -> f64 {
-    let window = if range_m.is_finite() { (1.0 - (distance_m / range_m).powi(4)).clamp(0.0, 1.0) } else { 1.0 };
+    let window =
+        if range_m.is_finite() { (1.0 - (distance_m / range_m).powi(4)).clamp(0.0, 1.0) } else { 1.0 };
     candela * window / (distance_m * distance_m)
 }
 

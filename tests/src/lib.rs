@@ -8,9 +8,7 @@ pub mod scenes;
 
 use glam::{DMat4, DVec2};
 use macula::fovea::{DisplayGeometry, Kernel};
-use macula::headless::{
-    Content, DeviceOptions, FrameInput, GpuContent, HeadlessDevice, OffscreenRenderer,
-};
+use macula::headless::{Content, DeviceOptions, FrameInput, GpuContent, HeadlessDevice, OffscreenRenderer};
 use macula::quality::compare;
 use macula::scene::Scene;
 use macula::scene::environment::Environment;
@@ -20,8 +18,7 @@ use std::ops::Deref;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// What to do about a missing validation layer.
-pub const INSTALL_LAYER: &str =
-    "the Vulkan validation layer is not installed; install it (Debian: apt-get install vulkan-validationlayers)";
+pub const INSTALL_LAYER: &str = "the Vulkan validation layer is not installed; install it (Debian: apt-get install vulkan-validationlayers)";
 
 /// The test binary's device, for one test at a time. Any message of the validation layer fails the
 /// test that holds it.
@@ -120,7 +117,11 @@ impl Frame {
     /// Then.
     #[track_caller]
     pub fn check_whole(&self, what: &str) {
-        assert_eq!((self.stats.non_finite, self.stats.holes), (Some(0), Some(0)), "{what}: not finite, holes");
+        assert_eq!(
+            (self.stats.non_finite, self.stats.holes),
+            (Some(0), Some(0)),
+            "{what}: not finite, holes"
+        );
         assert!(self.hdr.iter().all(|value| value.is_finite()), "{what}: not finite");
     }
 }

@@ -63,7 +63,8 @@ fn render_reports_the_fields_that_are_promised() {
     assert_eq!((&report["method"], &report["samples_shaded"]), (&"full".into(), &(96 * 54).into()));
     assert_eq!(report["lp"], Value::Null);
     // Nothing else lies there.
-    let mut names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    let mut names: Vec<_> =
+        std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     names.sort();
     assert_eq!(names, ["lp.exr", "out.png"]);
 }
@@ -129,7 +130,11 @@ fn check_map(oracle: &str, extra: &[&str], tolerance: f64) {
                 let off = (found - expected).abs();
                 let off = if field == "v_norm" { off.min(1.0 - off) } else { off };
                 let free = field == "v_norm" && point["u_norm"] == 0.0;
-                assert!(off <= tolerance || free, "{case_of}: {field} {found}, not {expected}", case_of = case["kernel"]);
+                assert!(
+                    off <= tolerance || free,
+                    "{case_of}: {field} {found}, not {expected}",
+                    case_of = case["kernel"]
+                );
             }
         }
     }
@@ -160,7 +165,8 @@ fn a_picture_equals_itself() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let (a, b) = (path("a.png"), path("b.png"));
-    let mut picture = image::RgbaImage::from_fn(40, 30, |x, y| image::Rgba([x as u8 * 6, y as u8 * 8, 99, 255]));
+    let mut picture =
+        image::RgbaImage::from_fn(40, 30, |x, y| image::Rgba([x as u8 * 6, y as u8 * 8, 99, 255]));
     picture.save(&a).unwrap();
     let report = json(&run(&["compare", &a, &a, "--gaze", "0.5,0.5", "--hfov-deg", "90", "--json"]), "same");
     assert_eq!((&report["psnr_db"], &report["flip"]), (&"inf".into(), &0.0.into()));

@@ -152,7 +152,8 @@ fn a_full_disk() {
     };
     let line = failure(&limited("scene hall -o hall.glb --triangles 10000"), 1, "disk");
     assert!(line.contains("hall.glb"), "{line}");
-    let line = failure(&limited("render sdf:primitives -o out.exr --size 256x256 --no-validation"), 1, "disk");
+    let line =
+        failure(&limited("render sdf:primitives -o out.exr --size 256x256 --no-validation"), 1, "disk");
     assert!(line.contains("out.exr"), "{line}");
     assert_eq!(files(place.0.path()), before, "something half-written is left");
     // The result itself.

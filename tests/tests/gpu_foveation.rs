@@ -54,7 +54,9 @@ fn the_fovea_is_that_of_full_shading() {
             let psnr = compare::within(&a, &b, &views.display, views.input.gaze_px, 5.0).unwrap().unwrap();
             let whole = compare::psnr_db(&a, &b).unwrap();
             let least = if *sigma > 1.0 { 40.0 } else { 50.0 };
-            println!("gaze {gaze:?} sigma {sigma} alpha {alpha}: {psnr:.1} dB within 5 degrees, {whole:.1} in all");
+            println!(
+                "gaze {gaze:?} sigma {sigma} alpha {alpha}: {psnr:.1} dB within 5 degrees, {whole:.1} in all"
+            );
             assert!(psnr > least, "sigma {sigma} alpha {alpha}: {psnr} dB within 5 degrees of the gaze");
             // Foveation does something, and the picture is still the same scene.
             assert!(whole > 15.0 && frame.stats.samples_shaded > 0, "{whole} dB");
@@ -88,7 +90,9 @@ fn samples_are_counted_as_the_mapping_says() {
     let scene = one(quad(9.0, 9.0), at(0.0, 0.0, -1.0), unlit(0.5, 0.5, 0.5));
     let content = upload(&gpu, &scene, None);
     let size = [160, 90];
-    for (sigma, alpha, gaze) in [(1.8, 4.0, [80.0, 45.0]), (1.8, 4.0, [10.0, 80.0]), (3.0, 1.0, [-40.0, 20.0])] {
+    for (sigma, alpha, gaze) in
+        [(1.8, 4.0, [80.0, 45.0]), (1.8, 4.0, [10.0, 80.0]), (3.0, 1.0, [-40.0, 20.0])]
+    {
         let settings = settings(size, 90.0, kfr(sigma, alpha));
         let gaze_px = DVec2::from_array(gaze);
         let frame = render_content(&gpu, &content, &settings, &FrameInput { gaze_px, ..ahead(&settings) });
@@ -129,11 +133,11 @@ fn a_constant_picture_stays_constant() {
         (4.0, Kernel::Power { alpha: 6.0 }, false),
         (1.8, Kernel::Sine, false),
     ] {
-        let method =
-            Method::Kfr(KfrSettings { sigma, kernel, lp_filter: true, post_filter });
+        let method = Method::Kfr(KfrSettings { sigma, kernel, lp_filter: true, post_filter });
         let settings = settings([160, 90], 100.0, method);
         let mut renderer = OffscreenRenderer::new(&gpu, &content, &settings).unwrap();
-        for (x, y) in [(80.0, 45.0), (80.3, 44.6), (0.0, 0.0), (160.0, 30.0), (-30.0, 45.0), (400.0, 400.0), (1e6, 7.0)]
+        for (x, y) in
+            [(80.0, 45.0), (80.3, 44.6), (0.0, 0.0), (160.0, 30.0), (-30.0, 45.0), (400.0, 400.0), (1e6, 7.0)]
         {
             let gaze_px = DVec2::new(x, y);
             let frame = next_frame(&mut renderer, &settings, &FrameInput { gaze_px, ..ahead(&settings) });
@@ -165,13 +169,16 @@ fn a_ramp_comes_back_as_a_ramp() {
     let display = settings(size, 90.0, Method::Full).display;
     let scene = ramp_scene(display.tan_right as f32, display.tan_up as f32);
     let content = upload(&gpu, &scene, None);
-    for (sigma, alpha, lp_filter) in [(1.0, 4.0, false), (1.8, 4.0, true), (1.8, 1.0, false), (3.0, 2.0, true)] {
+    for (sigma, alpha, lp_filter) in
+        [(1.0, 4.0, false), (1.8, 4.0, true), (1.8, 1.0, false), (3.0, 2.0, true)]
+    {
         let kernel = Kernel::Power { alpha };
         let method = Method::Kfr(KfrSettings { sigma, kernel, lp_filter, post_filter: false });
         let settings = settings(size, 90.0, method);
         for gaze in [[120.0, 80.0], [60.0, 110.0]] {
             let gaze_px = DVec2::from_array(gaze);
-            let frame = render_content(&gpu, &content, &settings, &FrameInput { gaze_px, ..ahead(&settings) });
+            let frame =
+                render_content(&gpu, &content, &settings, &FrameInput { gaze_px, ..ahead(&settings) });
             frame.check_whole("ramp");
             let mapping = KfrMapping::new(size, gaze_px, kernel, sigma);
             let (mut worst_share, mut sum_px, mut count) = (0.0_f64, 0.0, 0.0_f64);
@@ -234,9 +241,25 @@ fn there_is_no_seam_to_the_right_of_the_gaze() {
         }
         let most = |steps: &[f64]| steps.iter().copied().fold(0.0, f64::max);
         let mean = |steps: &[f64]| steps.iter().sum::<f64>() / steps.len() as f64;
-        println!("sigma {sigma}: mean {} and {}, most {} and {}", mean(&right), mean(&left), most(&right), most(&left));
-        assert!(most(&right) <= 1.5 * most(&left) + 1.0 / 256.0, "a seam: {} against {}", most(&right), most(&left));
-        assert!(mean(&right) <= 1.25 * mean(&left) + 1.0 / 512.0, "a seam: {} against {}", mean(&right), mean(&left));
+        println!(
+            "sigma {sigma}: mean {} and {}, most {} and {}",
+            mean(&right),
+            mean(&left),
+            most(&right),
+            most(&left)
+        );
+        assert!(
+            most(&right) <= 1.5 * most(&left) + 1.0 / 256.0,
+            "a seam: {} against {}",
+            most(&right),
+            most(&left)
+        );
+        assert!(
+            mean(&right) <= 1.25 * mean(&left) + 1.0 / 512.0,
+            "a seam: {} against {}",
+            mean(&right),
+            mean(&left)
+        );
     }
 }
 

@@ -60,8 +60,7 @@ impl Host {
             let layers = [LAYER.as_ptr()];
             let extensions = [ext::debug_utils::NAME.as_ptr(), ext::validation_features::NAME.as_ptr()];
             let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
-            let mut validation =
-                vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+            let mut validation = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
             let info = vk::InstanceCreateInfo::default()
                 .application_info(&application)
                 .enabled_layer_names(&layers)
@@ -139,8 +138,7 @@ impl Host {
                         && types.memory_types[*index as usize].property_flags.contains(flags)
                 })
                 .unwrap();
-            let info =
-                vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(index);
+            let info = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(index);
             self.device.allocate_memory(&info, None).unwrap()
         }
     }
@@ -167,8 +165,7 @@ impl Host {
                 .format(format)
                 .subresource_range(WHOLE);
             let view = self.device.create_image_view(&view, None).unwrap();
-            let info =
-                vk::BufferCreateInfo::default().size(bytes).usage(vk::BufferUsageFlags::TRANSFER_DST);
+            let info = vk::BufferCreateInfo::default().size(bytes).usage(vk::BufferUsageFlags::TRANSFER_DST);
             let buffer = self.device.create_buffer(&info, None).unwrap();
             let needs = self.device.get_buffer_memory_requirements(buffer);
             let flags = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
@@ -238,8 +235,7 @@ fn draw(
     let device = &host.device;
     // SAFETY: the frame before was waited for; the host's objects are alive.
     unsafe {
-        let begin =
-            vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         device.begin_command_buffer(host.commands, &begin).unwrap();
         if entry_layout != vk::ImageLayout::UNDEFINED {
             let barrier = [vk::ImageMemoryBarrier2::default()
@@ -261,10 +257,7 @@ fn draw(
             .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
             .dst_stage_mask(vk::PipelineStageFlags2::COPY)
             .dst_access_mask(vk::AccessFlags2::TRANSFER_READ)];
-        device.cmd_pipeline_barrier2(
-            host.commands,
-            &vk::DependencyInfo::default().memory_barriers(&barrier),
-        );
+        device.cmd_pipeline_barrier2(host.commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
         let region = [vk::BufferImageCopy::default()
             .image_subresource(vk::ImageSubresourceLayers {
                 aspect_mask: vk::ImageAspectFlags::COLOR,
@@ -285,10 +278,7 @@ fn draw(
             .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
             .dst_stage_mask(vk::PipelineStageFlags2::HOST)
             .dst_access_mask(vk::AccessFlags2::HOST_READ)];
-        device.cmd_pipeline_barrier2(
-            host.commands,
-            &vk::DependencyInfo::default().memory_barriers(&barrier),
-        );
+        device.cmd_pipeline_barrier2(host.commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
         device.end_command_buffer(host.commands).unwrap();
         let list = [host.commands];
         let submit = [vk::SubmitInfo::default().command_buffers(&list)];

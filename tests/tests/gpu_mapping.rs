@@ -17,7 +17,8 @@ fn kernel_of(value: &Value) -> Kernel {
         "sin" => Kernel::Sine,
         "exp" => Kernel::Exponential,
         "poly" => {
-            let beta: Vec<_> = value["beta"].as_array().unwrap().iter().map(|b| b.as_f64().unwrap()).collect();
+            let beta: Vec<_> =
+                value["beta"].as_array().unwrap().iter().map(|b| b.as_f64().unwrap()).collect();
             Kernel::polynomial(&beta).unwrap()
         }
         other => panic!("kernel {other}"),

@@ -8,7 +8,9 @@ use macula::scene::load::{LoadOptions, load};
 use macula::scene::{AlphaMode, Material, Scene};
 use macula::settings::{KfrSettings, Method, RenderSettings};
 use macula_tests::scenes::{add, at, camera_of, hall, one, quad, sun, unlit, white};
-use macula_tests::{Frame, ahead, data, gpu, greatest_step, kfr, next_frame, render, render_content, settings, upload};
+use macula_tests::{
+    Frame, ahead, data, gpu, greatest_step, kfr, next_frame, render, render_content, settings, upload,
+};
 
 const SIZE: [u32; 2] = [120, 80];
 
@@ -68,8 +70,12 @@ fn forcing_effects_changes_nothing_that_is_seen() {
                 assert!(!note.why.is_empty() && !note.name.is_empty(), "{name}: {note:?}");
             }
             // Forced: the effects of scenes all run; only what settings switch off stays off.
-            for effect in ["shadows", "environment", "normal maps", "transparency", "emissive", "alpha mask"] {
-                assert!(all.effects.run.iter().any(|note| note.name == effect), "{name}: {effect} not forced");
+            for effect in ["shadows", "environment", "normal maps", "transparency", "emissive", "alpha mask"]
+            {
+                assert!(
+                    all.effects.run.iter().any(|note| note.name == effect),
+                    "{name}: {effect} not forced"
+                );
             }
             assert!(all.passes().contains(&"shadow") && all.passes().contains(&"forward"), "{name}");
         }
@@ -185,7 +191,8 @@ fn the_graph_prints_its_passes_in_order_with_barriers() {
         }
         // Every pass was timed.
         assert!(frame.stats.passes.iter().all(|pass| pass.gpu_ms.is_finite() && pass.gpu_ms >= 0.0));
-        let sum: f64 = frame.stats.passes.iter().filter(|pass| !pass.diagnostic).map(|pass| pass.gpu_ms).sum();
+        let sum: f64 =
+            frame.stats.passes.iter().filter(|pass| !pass.diagnostic).map(|pass| pass.gpu_ms).sum();
         assert!((sum - frame.stats.gpu_ms).abs() < 1e-9);
     }
 }

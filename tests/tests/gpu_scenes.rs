@@ -172,7 +172,10 @@ fn every_kernel_and_sigma_renders() {
         for gaze_px in [DVec2::new(48.0, 32.0), DVec2::new(3.0, 60.5)] {
             let frame = next_frame(&mut renderer, &settings, &FrameInput { gaze_px, ..ahead(&settings) });
             frame.check_whole(&format!("{kernel:?} sigma {sigma}"));
-            assert!(frame.hdr.chunks(4).all(|pixel| pixel[0] > 0.01), "{kernel:?} sigma {sigma}: a black pixel");
+            assert!(
+                frame.hdr.chunks(4).all(|pixel| pixel[0] > 0.01),
+                "{kernel:?} sigma {sigma}: a black pixel"
+            );
         }
     }
 }
@@ -242,7 +245,8 @@ fn the_shared_scene_with_a_huge_offset_is_not_black() {
     let view = camera_of(&scene);
     scene.lights.push(sun(5.0, -view.z_axis.truncate() + DVec3::new(0.1, -0.3, 0.2)));
     let settings = settings([160, 90], 70.0, Method::Full);
-    let frame = render(&gpu, &scene, None, &settings, &FrameInput { world_from_view: view, ..ahead(&settings) });
+    let frame =
+        render(&gpu, &scene, None, &settings, &FrameInput { world_from_view: view, ..ahead(&settings) });
     frame.check_whole("huge offset");
     let lit = frame.hdr.chunks(4).filter(|pixel| pixel[..3].iter().sum::<f32>() > 0.02).count();
     assert!(lit > 160 * 90 / 50, "only {lit} of {} pixels are lit", 160 * 90);

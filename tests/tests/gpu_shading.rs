@@ -68,10 +68,8 @@ fn sunlight_is_reflected_as_appendix_b_says() {
         (0.6, 0.8, red, directions[1]),
         (0.0, 0.8, DVec3::ONE, directions[2]),
     ] {
-        let material = Material {
-            base_color: base.as_vec3().extend(1.0),
-            ..white(metallic as f32, roughness as f32)
-        };
+        let material =
+            Material { base_color: base.as_vec3().extend(1.0), ..white(metallic as f32, roughness as f32) };
         let mut scene = wall(material);
         scene.lights.push(sun(7.5, direction));
         let frame = frame_of(&scene);
@@ -85,7 +83,12 @@ fn extreme_roughness_and_metal_stay_finite_and_bounded() {
     for (metallic, roughness) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.02)] {
         let mut scene = wall(white(metallic, roughness));
         scene.lights.push(sun(10.0, DVec3::NEG_Z));
-        scene.lights.push(light(1e6, DVec3::new(0.1, 0.1, -1.0), DVec3::NEG_Z, LightKind::Point { range: f32::INFINITY }));
+        scene.lights.push(light(
+            1e6,
+            DVec3::new(0.1, 0.1, -1.0),
+            DVec3::NEG_Z,
+            LightKind::Point { range: f32::INFINITY },
+        ));
         // On the surface itself.
         scene.lights.push(light(
             5.0,
@@ -107,7 +110,12 @@ fn point_light_falls_off_with_the_square_and_ends_at_its_range() {
         (4.0, DVec3::new(0.0, 0.0, -1.4), 1.2),
     ] {
         let mut scene = wall(white(0.0, 0.8));
-        scene.lights.push(light(candela as f32, position, DVec3::NEG_Z, LightKind::Point { range: range as f32 }));
+        scene.lights.push(light(
+            candela as f32,
+            position,
+            DVec3::NEG_Z,
+            LightKind::Point { range: range as f32 },
+        ));
         let frame = frame_of(&scene);
         check_wall(&frame, &surface, 0.012, |point| {
             let offset = position - point;
@@ -139,7 +147,13 @@ fn spot_light_has_its_cone() {
         let expected = brdf::radiance(&surface, DVec3::Z, offset.normalize(), -point.normalize(), lux);
         // The shadow map cuts the light off around its cone only.
         close(frame.at(x, y), expected, 0.012, &format!("spot at {x}, {y}"));
-        *(if share == 0.0 { &mut dark } else if share < 1.0 { &mut half } else { &mut bright }) += 1;
+        *(if share == 0.0 {
+            &mut dark
+        } else if share < 1.0 {
+            &mut half
+        } else {
+            &mut bright
+        }) += 1;
     }
     assert!(dark > 5 && half > 5 && bright > 5, "{dark} {half} {bright}");
 }
@@ -211,7 +225,12 @@ fn even_surroundings_light_a_white_surface_evenly() {
         let frame = render(&gpu(), &scene, Some(&environment), &settings, &ahead(&settings));
         frame.check_whole("furnace");
         // A white dielectric gives back all but a few per cent, a matter of the split sum.
-        close(frame.at(32, 24), DVec3::new(2.0, 1.0, 0.5), 0.03, &format!("surface of roughness {roughness}"));
+        close(
+            frame.at(32, 24),
+            DVec3::new(2.0, 1.0, 0.5),
+            0.03,
+            &format!("surface of roughness {roughness}"),
+        );
         close(frame.at(1, 1), DVec3::new(2.0, 1.0, 0.5), 1e-3, "sky");
     }
     // A smooth metal mirrors.
@@ -333,7 +352,11 @@ fn sides_and_mirrored_transforms() {
     close(seen(place * scale(1.0, 1.0, -1.0), true), lit, 0.01, "mirrored away, double-sided");
     // A slanted surface under a non-uniform scale: its normal follows the inverse transpose.
     let slanted = DMat4::from_scale(DVec3::new(1.0, 1.0, 0.25)) * DMat4::from_rotation_y(0.9);
-    let normal = DMat4::from_scale(DVec3::new(1.0, 1.0, 4.0)).transform_vector3(DVec3::new(0.9_f64.sin(), 0.0, 0.9_f64.cos()));
+    let normal = DMat4::from_scale(DVec3::new(1.0, 1.0, 4.0)).transform_vector3(DVec3::new(
+        0.9_f64.sin(),
+        0.0,
+        0.9_f64.cos(),
+    ));
     let ray = point_of_pixel(&full().display, 32, 24, 1.0).normalize();
     let expected = brdf::radiance(&surface, normal.normalize(), DVec3::Z, -ray, 5.0);
     close(seen(place * slanted, false), expected, 0.01, "non-uniform scale");
@@ -408,7 +431,9 @@ fn the_sun_throws_a_shadow() {
 fn a_point_light_throws_a_shadow() {
     let position = DVec3::new(-1.3, 0.9, -0.6);
     let lamp = light(12.0, position, DVec3::NEG_Z, LightKind::Point { range: f32::INFINITY });
-    check_shadow(lamp, |point| (position - point, brdf::lux_at(12.0, position.distance(point), f64::INFINITY)));
+    check_shadow(lamp, |point| {
+        (position - point, brdf::lux_at(12.0, position.distance(point), f64::INFINITY))
+    });
 }
 
 #[test]
