@@ -90,7 +90,7 @@ fn settings_out_of_range() {
         vec!["--alpha", "inf"],
         vec!["--kernel", "cubic"],
         vec!["--kernel", "poly", "--beta", "0,0.5"],
-        vec!["--kernel", "poly", "--beta", "0,2,-1"],
+        vec!["--kernel", "poly", "--beta", "0,3,-2"],
         vec!["--hfov-deg", "0"],
         vec!["--hfov-deg", "180"],
         vec!["--gaze", "nan,0"],

@@ -144,7 +144,7 @@ fn any_size_renders() {
     let scene = lit_wall();
     let content = upload(&gpu, &scene, None);
     for (size, sigma) in [([1, 1], 1.8), ([1, 7], 1.8), ([3, 2], 4.0), ([13, 11], 1.0), ([97, 61], 1.8)] {
-        let settings = settings(size, 50.0, kfr(sigma, 4.0));
+        let settings = settings(size, 8.0, kfr(sigma, 4.0));
         let frame = render_content(&gpu, &content, &settings, &ahead(&settings));
         frame.check_whole(&format!("{size:?}"));
         assert_eq!(frame.rgba8.len(), 4 * size[0] as usize * size[1] as usize);
