@@ -15,29 +15,43 @@ use macula::scene::environment::Environment;
 use macula::settings::{KfrSettings, Method, RenderSettings};
 use macula::stats::{Effects, FrameStats};
 use std::ops::Deref;
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 
 /// What to do about a missing validation layer.
 pub const INSTALL_LAYER: &str = "the Vulkan validation layer is not installed; install it (Debian: apt-get install vulkan-validationlayers)";
 
-/// The test binary's device, for one test at a time. Any message of the validation layer fails the
+/// A device of the test binary, for one test at a time. Any message of the validation layer fails the
 /// test that holds it.
 pub struct Gpu(MutexGuard<'static, HeadlessDevice>);
 
-/// The test binary's device; made on the first call, with the validation layer on.
+/// A device of the test binary, with the validation layer on. There are two, made when they are first
+/// needed, so that two tests can run at a time. A test holds one at a time.
 ///
 /// # Panics
 /// Where no device can be made, or the validation layer is missing.
 #[must_use]
 pub fn gpu() -> Gpu {
-    static DEVICE: OnceLock<Mutex<HeadlessDevice>> = OnceLock::new();
-    let device = DEVICE.get_or_init(|| {
-        let device = HeadlessDevice::new(&DeviceOptions { validation: true }).expect("a Vulkan device");
-        assert!(device.validation_messages().is_some(), "{INSTALL_LAYER}");
-        Mutex::new(device)
+    static DEVICES: [OnceLock<Mutex<HeadlessDevice>>; 2] = [const { OnceLock::new() }; 2];
+    static TURN: AtomicUsize = AtomicUsize::new(0);
+    let device_of = |slot: &'static OnceLock<Mutex<HeadlessDevice>>| {
+        slot.get_or_init(|| {
+            let device = HeadlessDevice::new(&DeviceOptions { validation: true }).expect("a Vulkan device");
+            assert!(device.validation_messages().is_some(), "{INSTALL_LAYER}");
+            Mutex::new(device)
+        })
+    };
+    let free = DEVICES.iter().find_map(|slot| match device_of(slot).try_lock() {
+        Ok(device) => Some(device),
+        // A failed test leaves the device whole; a lost one fails the others by itself.
+        Err(TryLockError::Poisoned(device)) => Some(device.into_inner()),
+        Err(TryLockError::WouldBlock) => None,
     });
-    // A failed test leaves the device whole; a lost one fails the others by itself.
-    let gpu = Gpu(device.lock().unwrap_or_else(PoisonError::into_inner));
+    let wait = || {
+        let turn = TURN.fetch_add(1, Ordering::Relaxed) % DEVICES.len();
+        device_of(&DEVICES[turn]).lock().unwrap_or_else(PoisonError::into_inner)
+    };
+    let gpu = Gpu(free.unwrap_or_else(wait));
     gpu.check();
     gpu
 }

@@ -6,7 +6,7 @@ use macula::headless::{FrameInput, OffscreenRenderer};
 use macula::scene::{AlphaMode, LightKind, Material};
 use macula::settings::{KfrSettings, Method};
 use macula_tests::scenes::{add, at, light, one, quad, sun, white};
-use macula_tests::{ahead, gpu, settings, upload};
+use macula_tests::{gpu, settings, upload};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -79,7 +79,6 @@ fn a_steady_frame_allocates_nothing() {
             let input = |frame: u32| FrameInput {
                 world_from_view: DMat4::from_rotation_y(f64::from(frame % 5) * 0.4),
                 gaze_px: DVec2::new(f64::from(frame * 13 % 96), f64::from(frame * 7 % 64)),
-                ..ahead(&settings)
             };
             for frame in 0..4 {
                 renderer.submit(&input(frame)).unwrap();
