@@ -1,5 +1,5 @@
-// The BRDF of glTF 2.0, appendix B: Lambert below a GGX coat with height-correlated Smith masking
-// and Schlick's Fresnel term.
+// The BRDF of glTF 2.0, appendix B: Lambert below a GGX coat with Smith's masking and Schlick's
+// Fresnel term.
 
 const float PI = 3.14159265358979;
 
@@ -44,9 +44,10 @@ vec3 reflected(Shading s, vec3 light) {
     // GGX: (1 - nh^2) + nh^2 alpha^2 without cancellation for small alpha.
     float d = (1.0 - n_dot_h) * (1.0 + n_dot_h) + n_dot_h * n_dot_h * s.alpha2;
     float distribution = s.alpha2 / (PI * d * d);
-    float smith_l = s.n_dot_v * sqrt(n_dot_l * n_dot_l * (1.0 - s.alpha2) + s.alpha2);
-    float smith_v = n_dot_l * sqrt(s.n_dot_v * s.n_dot_v * (1.0 - s.alpha2) + s.alpha2);
-    float visibility = 0.5 / max(smith_l + smith_v, 1e-7);
+    // Smith's masking and shadowing in the separable form that the appendix prints, over 4 nl nv.
+    float smith_l = n_dot_l + sqrt(s.alpha2 + (1.0 - s.alpha2) * n_dot_l * n_dot_l);
+    float smith_v = s.n_dot_v + sqrt(s.alpha2 + (1.0 - s.alpha2) * s.n_dot_v * s.n_dot_v);
+    float visibility = 1.0 / max(smith_l * smith_v, 1e-7);
     float m = 1.0 - v_dot_h;
     float m2 = m * m;
     vec3 fresnel = s.f0 + (1.0 - s.f0) * (m2 * m2 * m);
