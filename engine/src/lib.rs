@@ -18,7 +18,8 @@
 //!
 //! /// Once: `host` holds the host's instance, device and queue, which outlive the renderer.
 //! fn set_up(host: ContextParts, path: &std::path::Path, size_px: [u32; 2]) -> macula::Result<Renderer> {
-//!     let context = Context::from_host(host)?;
+//!     // SAFETY: as `Context::from_host` asks: the handles belong together and outlive the renderer.
+//!     let context = unsafe { Context::from_host(host)? };
 //!     let scene = load(path, &LoadOptions::default())?;
 //!     let content = Content::Scene { scene: &scene, environment: None };
 //!     let content = GpuContent::upload(&context, &content)?;

@@ -341,15 +341,6 @@ fn check_device_limits(context: &Context, settings: &RenderSettings) -> Result<(
             context.name()
         )));
     }
-    // The sample list and the images must fit buffers and counters of 32 bits.
-    let pixels = u64::from(width) * u64::from(height);
-    let room = u64::from(context.limits.max_storage_buffer_range) / 8;
-    if pixels >= 1 << 31 || (pixels > room && matches!(settings.method, Method::Kfr(_))) {
-        return Err(Error::Setting(format!(
-            "the display has {pixels} px; foveated rendering on {} goes up to {room}",
-            context.name()
-        )));
-    }
     if settings.shadow_map_size > limit {
         return Err(Error::Setting(format!(
             "the shadow map's size is {}; {} has at most {limit}",

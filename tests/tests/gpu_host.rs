@@ -116,7 +116,7 @@ impl Host {
     }
 
     fn context(&self) -> Arc<Context> {
-        Context::from_host(ContextParts {
+        let parts = ContextParts {
             instance: self.instance.clone(),
             physical_device: self.physical_device,
             device: self.device.clone(),
@@ -124,8 +124,9 @@ impl Host {
             queue_family: self.family,
             debug_utils: true,
             cache_file: None,
-        })
-        .unwrap()
+        };
+        // SAFETY: the handles belong together and live as long as `self`, which outlives the context.
+        unsafe { Context::from_host(parts) }.unwrap()
     }
 
     fn memory(&self, needs: vk::MemoryRequirements, flags: vk::MemoryPropertyFlags) -> vk::DeviceMemory {

@@ -44,11 +44,18 @@ pub struct Context {
 }
 
 impl Context {
-    /// Wraps handles that the host owns and keeps alive for as long as the context lives.
+    /// Wraps handles that the host owns.
+    ///
+    /// # Safety
+    /// The handles must belong together, the device must have [`crate::host::required_features`]
+    /// enabled, and all must outlive the context and everything made with it. The queue must not be
+    /// used by another thread while something is uploaded or built. The command buffers and images
+    /// that are later given to [`crate::renderer::Renderer::record_frame`] must be the device's, valid,
+    /// and in the state that is declared for them; what a frame uses must live until it is finished.
     ///
     /// # Errors
     /// [`Error::Vulkan`] and [`Error::Memory`].
-    pub fn from_host(parts: ContextParts) -> Result<Arc<Self>> {
+    pub unsafe fn from_host(parts: ContextParts) -> Result<Arc<Self>> {
         Self::build(parts, None)
     }
 

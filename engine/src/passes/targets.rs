@@ -2,7 +2,7 @@
 
 use super::FINDINGS_PER_IMAGE;
 use crate::content::{GpuContent, GpuScene};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::fovea::FoveaParams;
 use crate::gpu::pipeline::FRAME_SLOTS;
 use crate::gpu::resource::{ImageDesc, Location};
@@ -29,6 +29,11 @@ pub struct Targets {
     /// Native pixels that the sample list has room for.
     pub native_capacity: u32,
 }
+
+/// Native pixels for which the sample list has room on top of half the LP-buffer's texels. Inside the
+/// mapping's own disc there are fewer pixels than texels, and a disc holds a tenth of them at most in
+/// the published settings; the renderer keeps the disc within this room.
+const NATIVE_ROOM: u64 = 65536;
 
 /// How large the images are.
 pub struct TargetSizes {
@@ -68,9 +73,15 @@ impl Targets {
         let lp_size = sizes.lp.unwrap_or([1, 1]);
         let texels = u64::from(lp_size[0]) * u64::from(lp_size[1]);
         let pixels = u64::from(display[0]) * u64::from(display[1]);
-        // Inside the native disc there is no more than one pixel to an LP texel, but for its innermost
-        // few pixels.
-        let native = if sizes.lp.is_some() { pixels.min(texels + 4096) } else { 0 };
+        let native = if sizes.lp.is_some() { pixels.min(texels / 2 + NATIVE_ROOM) } else { 0 };
+        let limit = u64::from(context.limits.max_storage_buffer_range);
+        if 4 * (texels + native) > limit {
+            let [width, height] = lp_size;
+            return Err(Error::Setting(format!(
+                "an LP-buffer of {width}x{height} texels needs a list larger than the {limit} bytes of {}; raise sigma or choose a smaller display",
+                context.name()
+            )));
+        }
         let shadow_side = if sizes.shadows { settings.shadow_map_size } else { 1 };
         let depth_usage = Usage::DEPTH_STENCIL_ATTACHMENT | Usage::SAMPLED | Usage::TRANSFER_DST;
         let made = Self {
