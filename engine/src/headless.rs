@@ -1,9 +1,10 @@
 //! Rendering without a window: the engine's own device, pictures read back to the CPU.
 
-pub use crate::content::{Content, GpuContent as SharedContent};
+pub use crate::content::Content;
 pub use crate::gpu::owned::{DeviceReport, FeatureReport, device_reports};
 pub use crate::renderer::FrameInput;
 
+use crate::content::GpuContent as SharedContent;
 use crate::error::Result;
 use crate::fovea::{DisplayGeometry, FoveaParams, Kernel, KfrMapping, LpCoord};
 use crate::gpu::resource::ImageDesc;

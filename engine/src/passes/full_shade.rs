@@ -1,6 +1,6 @@
 //! Shades every pixel of the display: the reference.
 
-use super::{FrameArgs, FrameBuffers, Targets, dispatch_8x8, lighting_binds};
+use super::{FrameArgs, FrameBuffers, Targets, dispatch_8x8, shading_binds};
 use crate::content::GpuContent;
 use crate::error::Result;
 use crate::gpu::pipeline::Spec;
@@ -29,18 +29,10 @@ impl FullShade {
         spec: Spec<'_>,
     ) -> Result<Self> {
         let mut binds = vec![("hdr", Bind::Image(&targets.hdr))];
+        binds.extend(shading_binds(content, targets, buffers));
         let shader = match content {
-            GpuContent::Scene(scene) => {
-                binds.extend(lighting_binds(scene, targets, buffers));
-                binds.push(("gbuffer", Bind::Image(&targets.gbuffer)));
-                binds.push(("depth_buffer", Bind::Image(&targets.depth)));
-                &shaders::FULL_SHADE_COMP
-            }
-            GpuContent::SdfPrimitives => {
-                binds.push(("Frame", Bind::PerSlot(&buffers.frame)));
-                binds.push(("SdfCamera", Bind::PerSlot(&buffers.sdf_camera)));
-                &shaders::FULL_SHADE_SDF_COMP
-            }
+            GpuContent::Scene(_) => &shaders::FULL_SHADE_COMP,
+            GpuContent::SdfPrimitives => &shaders::FULL_SHADE_SDF_COMP,
         };
         let pipeline = ComputePipeline::new(context, shader, spec, &binds)?;
         Ok(Self { pipeline, context: context.clone(), targets: targets.clone() })

@@ -1,6 +1,6 @@
 //! Shades the listed samples: LP texels into the LP-buffer, native pixels into the display image.
 
-use super::{FrameArgs, FrameBuffers, Targets, lighting_binds};
+use super::{FrameArgs, FrameBuffers, Targets, shading_binds};
 use crate::content::GpuContent;
 use crate::error::Result;
 use crate::gpu::pipeline::Spec;
@@ -36,18 +36,10 @@ impl LpShade {
             ("lp", Bind::Image(&targets.lp)),
             ("hdr", Bind::Image(&targets.hdr)),
         ];
+        binds.extend(shading_binds(content, targets, buffers));
         let shader = match content {
-            GpuContent::Scene(scene) => {
-                binds.extend(lighting_binds(scene, targets, buffers));
-                binds.push(("gbuffer", Bind::Image(&targets.gbuffer)));
-                binds.push(("depth_buffer", Bind::Image(&targets.depth)));
-                &shaders::LP_SHADE_COMP
-            }
-            GpuContent::SdfPrimitives => {
-                binds.push(("Frame", Bind::PerSlot(&buffers.frame)));
-                binds.push(("SdfCamera", Bind::PerSlot(&buffers.sdf_camera)));
-                &shaders::LP_SHADE_SDF_COMP
-            }
+            GpuContent::Scene(_) => &shaders::LP_SHADE_COMP,
+            GpuContent::SdfPrimitives => &shaders::LP_SHADE_SDF_COMP,
         };
         let pipeline = ComputePipeline::new(context, shader, spec, &binds)?;
         Ok(Self { pipeline, context: context.clone(), targets: targets.clone() })

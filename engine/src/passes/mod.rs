@@ -33,7 +33,7 @@ pub use post_filter::PostFilter;
 pub use shadow::{MAX_SHADOW_VIEWS, Shadow};
 pub use targets::{FrameBuffers, TargetSizes, Targets};
 
-use crate::content::{DrawInstance, GpuScene};
+use crate::content::{DrawInstance, GpuContent, GpuScene};
 use crate::gpu::pipeline::Bind;
 use crate::gpu::{Context, GraphicsPipeline};
 use crate::host::TargetImage;
@@ -84,6 +84,25 @@ fn lighting_binds<'a>(
         ("specular_env", Bind::Sampled(&environment.specular, &environment.around)),
         ("dfg", Bind::Sampled(&environment.dfg, &environment.clamped)),
     ]
+}
+
+/// Names that `deferred.glsl`, or for the ray-marched scene `sdf_sample.glsl`, declares.
+fn shading_binds<'a>(
+    content: &'a GpuContent,
+    targets: &'a Targets,
+    buffers: &'a FrameBuffers,
+) -> Vec<(&'static str, Bind<'a>)> {
+    match content {
+        GpuContent::Scene(scene) => {
+            let mut binds = lighting_binds(scene, targets, buffers);
+            binds.push(("gbuffer", Bind::Image(&targets.gbuffer)));
+            binds.push(("depth_buffer", Bind::Image(&targets.depth)));
+            binds
+        }
+        GpuContent::SdfPrimitives => {
+            vec![("Frame", Bind::PerSlot(&buffers.frame)), ("SdfCamera", Bind::PerSlot(&buffers.sdf_camera))]
+        }
+    }
 }
 
 /// Sets viewport and scissor to all of an image.

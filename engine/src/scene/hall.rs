@@ -19,6 +19,7 @@ mod textures;
 mod tests;
 
 use crate::error::{Error, Result};
+use crate::io::image_file;
 use std::path::Path;
 
 /// How large the hall is, in triangles and lights.
@@ -65,21 +66,11 @@ pub fn generate_glb(options: &HallOptions) -> Result<Vec<u8>> {
     glb::file(options)
 }
 
-/// Writes the hall to `path`: first under a temporary name in the same folder, so that no half file
-/// ever bears the name.
+/// Writes the hall to `path`, which appears only when it is whole.
 ///
 /// # Errors
 /// [`Error::Setting`] for options out of range, [`Error::Io`] where the file cannot be written.
 pub fn write_glb(path: impl AsRef<Path>, options: &HallOptions) -> Result<()> {
-    let path = path.as_ref();
     let bytes = generate_glb(options)?;
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    let written = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path));
-    written.map_err(|source| {
-        // The cause is what matters; a left-over part that cannot be removed either is only litter.
-        let _ = std::fs::remove_file(&part);
-        Error::io(path, source)
-    })
+    image_file::write_atomically(path, |file| file.write_all(&bytes))
 }
