@@ -42,10 +42,10 @@ fn knows_nothing_of(module: &str, unknown: &[&str]) {
 
 #[test]
 fn modules_use_only_what_lies_before_them() {
-    knows_nothing_of("fovea", &["ash::", "crate::gpu::", "crate::graph", "crate::passes", "crate::renderer"]);
-    knows_nothing_of("scene", &["ash::", "crate::gpu::", "crate::graph", "crate::passes", "crate::renderer"]);
-    knows_nothing_of("quality", &["ash::", "crate::gpu::", "crate::passes", "crate::renderer"]);
-    knows_nothing_of("gpu", &["crate::fovea::Kernel", "crate::graph", "crate::passes", "crate::renderer"]);
+    knows_nothing_of("fovea", &["ash::", "crate::gpu", "crate::graph", "crate::passes", "crate::renderer"]);
+    knows_nothing_of("scene", &["ash::", "crate::gpu", "crate::graph", "crate::passes", "crate::renderer"]);
+    knows_nothing_of("quality", &["ash::", "crate::gpu", "crate::passes", "crate::renderer"]);
+    knows_nothing_of("gpu", &["crate::fovea", "crate::graph", "crate::passes", "crate::renderer"]);
     knows_nothing_of("graph", &["crate::passes", "crate::renderer", "crate::scene", "crate::fovea"]);
     knows_nothing_of("passes", &["crate::renderer"]);
 }
@@ -76,7 +76,7 @@ fn no_file_is_longer_than_can_be_read() {
     for part in ["engine", "trackers", "tools", "tests", "shaders"] {
         for path in sources(&workspace().join(part), &["rs", "glsl", "comp", "frag", "vert"]) {
             let lines = std::fs::read_to_string(&path).unwrap().lines().count();
-            assert!(lines <= 650, "{} has {lines} lines", path.display());
+            assert!(lines <= 600, "{} has {lines} lines", path.display());
         }
     }
 }

@@ -42,10 +42,6 @@ pub struct FoveaParams {
     pub beta_lo: [[f32; 4]; 2],
 }
 
-crate::gpu_layout!(FoveaParams, "FoveaParams" {
-    gaze_px, size, size_f, log_reach, octave, kernel, shape, ring, beta_hi, beta_lo,
-});
-
 impl FoveaParams {
     /// The block for a mapping.
     #[must_use]

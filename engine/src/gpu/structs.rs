@@ -199,7 +199,6 @@ mod tests {
         check::<Material>();
         check::<SampleCounts>();
         check::<SdfCamera>();
-        check::<crate::fovea::FoveaParams>();
     }
 
     #[test]
