@@ -1,63 +1,17 @@
 //! Gaze for foveated rendering: what an eye tracker, a recording or a synthetic eye says, in the
 //! form in which a renderer needs it. This crate knows no Vulkan and no window.
 //!
-//! The renderer asks for the gaze at the time at which its picture will be displayed and gets a
-//! [`GazeEstimate`]: a direction, how sure it is, and how it was made.
+//! Data flows one way: a [`source::GazeSource`] tells [`sample::GazeSample`]s; filters, classification and
+//! prediction make a [`GazeEstimate`] of them for the time at which a picture will be displayed: a
+//! direction, how sure it is, and how it was made.
 
-use glam::DVec3;
+pub mod error;
+mod estimate;
+pub mod formats;
+pub mod recording;
+pub mod sample;
+pub mod source;
+pub mod time;
 
-/// How an estimate came about. A renderer trusts the kinds in this order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum EstimateKind {
-    /// A sample of the tracker taken at the asked time.
-    Measured,
-    /// Between two samples around the asked time.
-    Interpolated,
-    /// Ahead of the newest sample.
-    Predicted,
-    /// The last valid sample, kept because nothing newer is usable.
-    Held,
-    /// The source has stopped telling anything new.
-    Stale,
-}
-
-/// Where the eye looks at one display time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GazeEstimate {
-    /// Gaze direction in view space: right-handed, `-Z` forward, `+Y` up. Need not be of length 1.
-    pub direction_view: DVec3,
-    /// Radius of the cone in which the true gaze lies, in radians, at one standard deviation.
-    pub error_radius_rad: f64,
-    /// How the estimate was made.
-    pub kind: EstimateKind,
-    /// Display time less the time of the newest sample that went into it, in nanoseconds.
-    pub age_ns: i64,
-}
-
-impl GazeEstimate {
-    /// The direction with length 1, or `None` where it is zero, not finite, or behind the eye
-    /// (then there is no point of the display that it could mean).
-    #[must_use]
-    pub fn unit_direction(&self) -> Option<DVec3> {
-        let direction = self.direction_view.try_normalize()?;
-        (direction.is_finite() && direction.z < 0.0).then_some(direction)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn estimate(direction_view: DVec3) -> GazeEstimate {
-        GazeEstimate { direction_view, error_radius_rad: 0.01, kind: EstimateKind::Measured, age_ns: 0 }
-    }
-
-    #[test]
-    fn unusable_directions_are_refused() {
-        for bad in [DVec3::ZERO, DVec3::NAN, DVec3::new(f64::INFINITY, 0.0, -1.0), DVec3::Z, DVec3::X] {
-            assert_eq!(estimate(bad).unit_direction(), None, "{bad}");
-        }
-        let direction = estimate(DVec3::new(3.0, 0.0, -4.0)).unit_direction();
-        assert!(direction.is_some_and(|unit| unit.abs_diff_eq(DVec3::new(0.6, 0.0, -0.8), 1e-15)));
-    }
-}
+pub use error::{Error, Result};
+pub use estimate::{EstimateKind, EyeState, GazeEstimate};
