@@ -19,6 +19,8 @@ pub struct SourceInfo {
 }
 
 /// What a source has to tell, in the order in which it happened.
+// Nearly every event is a sample: a box would allocate for each of them.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum SourceEvent {
     /// A sample, valid or not.
