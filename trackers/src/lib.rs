@@ -11,6 +11,8 @@ pub mod formats;
 pub mod recording;
 pub mod sample;
 pub mod source;
+#[cfg(test)]
+mod testing;
 pub mod time;
 
 pub use error::{Error, Result};
