@@ -169,7 +169,10 @@ impl Renderer {
                     slot,
                 );
             }
-            Content::Sdf => frame_data::write_sdf(&self.settings, &camera, &mut self.buffers, slot),
+            Content::Sdf => {
+                let [_, lp_height] = self.targets.lp_size;
+                frame_data::write_sdf(&self.settings, &camera, lp_height, &mut self.buffers, slot);
+            }
         }
         let environment = match &self.content {
             Content::Scene(scene) => Some(&scene.environment),

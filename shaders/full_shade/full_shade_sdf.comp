@@ -12,7 +12,7 @@ void main() {
     }
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < samples_per_pixel; ++i) {
-        sum += march_px(vec2(px) + 0.5 + sample_offset(i), 1.0);
+        sum += march_px(vec2(px) + 0.5 + sample_offsets[i].xy, 1.0);
     }
     imageStore(hdr, px, vec4(storable(sum / float(samples_per_pixel)), 1.0));
 }

@@ -15,7 +15,6 @@ void main() {
     float footprint = 1.0;
     vec4 radii = vec4(0.0);
     vec2 direction = vec2(0.0);
-    float row_angle = 6.2831853 / fovea.size_f.y;
     if (!native_sample) {
         radii = column_radii_px(uint(texel.x));
         direction = row_direction(uint(texel.y));
@@ -23,12 +22,12 @@ void main() {
     }
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < samples_per_pixel; ++i) {
-        vec2 offset = sample_offset(i);
-        vec2 at = vec2(px) + 0.5 + offset;
+        vec4 offset = sample_offsets[i];
+        vec2 at = vec2(px) + 0.5 + offset.xy;
         if (!native_sample) {
             // Within the texel the radius is close to linear in u.
             float radius_px = mix(radii.y, radii.z, offset.x + 0.5);
-            vec2 turn = vec2(cos(offset.y * row_angle), sin(offset.y * row_angle));
+            vec2 turn = offset.zw;
             vec2 turned = vec2(direction.x * turn.x - direction.y * turn.y, direction.x * turn.y + direction.y * turn.x);
             at = turned * radius_px + fovea.gaze_px.xy;
         }

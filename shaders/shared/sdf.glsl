@@ -23,6 +23,9 @@ const vec3 SDF_BOX = vec3(0.82, 0.8, 0.82);
 const int SDF_STEPS = 72;
 // How much sharper than its distance a shadow's edge is: a sun of about 1/14 radian.
 const float SDF_SUN_SHARPNESS = 14.0;
+// A shadow ray that passes a solid by less than half this angle is as good as blocked: a 1/64 of the
+// sun is left, of which the smooth edge makes less than 1/1000. Turned down, rays creep along solids.
+const float SDF_DARK_RAD = 2.0 / (64.0 * SDF_SUN_SHARPNESS);
 const vec3 SDF_SUN_DIRECTION = vec3(-0.7194, 0.5995, 0.3507);
 const vec3 SDF_SUN_RADIANCE = vec3(2.5, 2.15, 1.7);
 // Beyond this the floor is the horizon's colour anyway, metres.
@@ -394,7 +397,7 @@ vec3 sdf_radiance(vec3 origin, vec3 direction, float pixel_angle_rad)
     float sun;
     // Off the surface by more than the threshold of the ray that found it.
     vec3 start = position + normal * (2.5 * lift);
-    sdf_trace(start, SDF_SUN_DIRECTION, SDF_FAR, 0.0, blocker, sun);
+    sdf_trace(start, SDF_SUN_DIRECTION, SDF_FAR, SDF_DARK_RAD, blocker, sun);
     sun = clamp(sun, 0.0, 1.0);
     sun *= sun * (3.0 - 2.0 * sun);
     float open = sdf_openness(position, normal);

@@ -174,9 +174,12 @@ pub struct SdfCamera {
     pub pad1: u32,
     /// Unused.
     pub pad2: u32,
+    /// For each sample its offset in the pixel or texel, -0.5 to 0.5 across and down, and cosine and
+    /// sine of the angle by which the second turns it in the LP-buffer.
+    pub sample_offsets: [[f32; 4]; 16],
 }
 
-gpu_layout!(SdfCamera, "SdfCamera" { sdf_eye, samples_per_pixel, pad0, pad1, pad2 });
+gpu_layout!(SdfCamera, "SdfCamera" { sdf_eye, samples_per_pixel, pad0, pad1, pad2, sample_offsets });
 
 #[cfg(test)]
 mod tests {

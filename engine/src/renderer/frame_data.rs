@@ -8,7 +8,8 @@ use crate::passes::{FrameArgs, FrameBuffers};
 use crate::plan::EffectPlan;
 use crate::scene::{Light, LightKind};
 use crate::settings::RenderSettings;
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec2, DVec3, DVec4};
+use std::f64::consts::TAU;
 
 /// Fills the draw lists: what the view may see, opaque nearest first, blended farthest first.
 pub(super) fn choose_visible(
@@ -179,6 +180,7 @@ fn perspective_view(direction: DVec3, position: DVec3, tangent: f64) -> DMat4 {
 pub(super) fn write_sdf(
     settings: &RenderSettings,
     camera: &CameraFrame,
+    lp_height: u32,
     buffers: &mut FrameBuffers,
     slot: usize,
 ) {
@@ -189,8 +191,21 @@ pub(super) fn write_sdf(
         pad0: 0,
         pad1: 0,
         pad2: 0,
+        sample_offsets: sample_offsets(lp_height),
     };
     buffers.sdf_camera[slot].write(0, &[record]);
+}
+
+/// Offsets of the samples of a pixel or LP texel, with the turn in an LP-buffer of that height: the
+/// additive recurrence on the plastic number (R2), which fills the square evenly for any count. A single
+/// sample sits in the centre.
+fn sample_offsets(lp_height: u32) -> [[f32; 4]; 16] {
+    const STEP: DVec2 = DVec2::new(0.754_877_666_246_692_7, 0.569_840_290_998_053_2);
+    std::array::from_fn(|index| {
+        let offset = (DVec2::splat(0.5) + index as f64 * STEP).fract() - 0.5;
+        let turn = DVec2::from_angle(offset.y * TAU / f64::from(lp_height));
+        [offset.x as f32, offset.y as f32, turn.x as f32, turn.y as f32]
+    })
 }
 
 #[cfg(test)]
