@@ -7,6 +7,7 @@ pub use crate::renderer::FrameInput;
 use crate::content::GpuContent as SharedContent;
 use crate::error::Result;
 use crate::fovea::{DisplayGeometry, FoveaParams, Kernel, KfrMapping, LpCoord};
+use crate::gpu::pipeline::FRAME_SLOTS;
 use crate::gpu::resource::ImageDesc;
 use crate::gpu::{Context, Image, owned, submit};
 use crate::host::TargetImage;
@@ -83,8 +84,12 @@ pub struct OffscreenRenderer {
     renderer: Renderer,
     target: Image,
     pool: vk::CommandPool,
-    commands: vk::CommandBuffer,
+    /// In turn, so that a frame can be recorded while the one before is rendered.
+    commands: [vk::CommandBuffer; FRAME_SLOTS],
+    current: usize,
+    /// Of the frame on its way, of which there is at most one: frames share their images.
     fence: vk::Fence,
+    on_its_way: bool,
     context: Arc<Context>,
 }
 
@@ -117,8 +122,10 @@ impl OffscreenRenderer {
             renderer,
             target,
             pool: vk::CommandPool::null(),
-            commands: vk::CommandBuffer::null(),
+            commands: [vk::CommandBuffer::null(); FRAME_SLOTS],
+            current: 0,
             fence: vk::Fence::null(),
+            on_its_way: false,
             context: context.clone(),
         };
         made.make_commands()?;
@@ -134,9 +141,11 @@ impl OffscreenRenderer {
         // SAFETY: the device is alive; the objects are destroyed with `self`.
         unsafe {
             self.pool = Context::check(device.create_command_pool(&pool, None), what)?;
-            let info =
-                vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
-            self.commands = Context::check(device.allocate_command_buffers(&info), what)?[0];
+            let info = vk::CommandBufferAllocateInfo::default()
+                .command_pool(self.pool)
+                .command_buffer_count(FRAME_SLOTS as u32);
+            let commands = Context::check(device.allocate_command_buffers(&info), what)?;
+            self.commands.copy_from_slice(&commands);
             self.fence = Context::check(device.create_fence(&vk::FenceCreateInfo::default(), None), what)?;
         }
         Ok(())
@@ -148,7 +157,7 @@ impl OffscreenRenderer {
     /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
     pub fn render(&mut self, input: &FrameInput) -> Result<FrameStats> {
         let slot = self.submit(input)?;
-        self.renderer.read_stats(slot)
+        self.read_stats(slot)
     }
 
     /// Renders one frame and waits for it, without reading its figures: allocates nothing.
@@ -156,7 +165,20 @@ impl OffscreenRenderer {
     /// # Errors
     /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
     pub fn submit(&mut self, input: &FrameInput) -> Result<FrameSlot> {
-        let what = || "rendering a frame".to_owned();
+        let slot = self.record(input)?;
+        self.launch()?;
+        self.wait()?;
+        Ok(slot)
+    }
+
+    /// Records a frame, while the frame before may still be rendered. Its gaze can be replaced by
+    /// [`Self::late_latch`] until [`Self::launch`].
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
+    pub fn record(&mut self, input: &FrameInput) -> Result<FrameSlot> {
+        self.current = (self.current + 1) % FRAME_SLOTS;
+        let commands = self.commands[self.current];
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         let target = TargetImage {
             image: self.target.image,
@@ -165,20 +187,59 @@ impl OffscreenRenderer {
             exit_layout: vk::ImageLayout::GENERAL,
         };
         let device = &self.context.device;
-        // SAFETY: the frame before has been waited for, so the command buffer and the fence are free.
+        // SAFETY: at most one frame is on its way, in the other command buffer: this one is free.
         unsafe {
-            Context::check(device.begin_command_buffer(self.commands, &begin), what)?;
-            let slot = self.renderer.record_frame(self.commands, input, &target);
-            Context::check(device.end_command_buffer(self.commands), what)?;
-            let list = [self.commands];
-            let submits = [vk::SubmitInfo::default().command_buffers(&list)];
-            let done = device
-                .queue_submit(self.context.queue, &submits, self.fence)
-                .and_then(|()| device.wait_for_fences(&[self.fence], true, u64::MAX))
-                .and_then(|()| device.reset_fences(&[self.fence]));
-            Context::check(done, what)?;
+            Context::check(device.begin_command_buffer(commands, &begin), rendering)?;
+            let slot = self.renderer.record_frame(commands, input, &target);
+            Context::check(device.end_command_buffer(commands), rendering)?;
             Ok(slot)
         }
+    }
+
+    /// [`Renderer::late_latch`].
+    pub fn late_latch(&mut self, frame: FrameSlot, gaze_px: DVec2) {
+        self.renderer.late_latch(frame, gaze_px);
+    }
+
+    /// Submits the recorded frame. Waits for the one before, if that is still on its way.
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
+    pub fn launch(&mut self) -> Result<()> {
+        self.wait()?;
+        let list = [self.commands[self.current]];
+        let submits = [vk::SubmitInfo::default().command_buffers(&list)];
+        let device = &self.context.device;
+        // SAFETY: the command buffer is recorded, and the fence is free.
+        let done = unsafe { device.queue_submit(self.context.queue, &submits, self.fence) };
+        self.on_its_way = done.is_ok();
+        Context::check(done, rendering)
+    }
+
+    /// Waits for the submitted frame, if there is one.
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
+    pub fn wait(&mut self) -> Result<()> {
+        if !self.on_its_way {
+            return Ok(());
+        }
+        self.on_its_way = false;
+        let fence = [self.fence];
+        let device = &self.context.device;
+        // SAFETY: the fence is alive.
+        let done = unsafe {
+            device.wait_for_fences(&fence, true, u64::MAX).and_then(|()| device.reset_fences(&fence))
+        };
+        Context::check(done, rendering)
+    }
+
+    /// Figures of a frame that was waited for.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
+    pub fn read_stats(&mut self, frame: FrameSlot) -> Result<FrameStats> {
+        self.renderer.read_stats(frame)
     }
 
     /// What the effect plan decided for the last frame.
@@ -222,6 +283,10 @@ impl OffscreenRenderer {
         let [width, height] = image.size;
         Ok(Some((width, height, read_half(&self.context, "the LP-buffer", image)?)))
     }
+}
+
+fn rendering() -> String {
+    "rendering a frame".to_owned()
 }
 
 fn read_half(context: &Arc<Context>, name: &str, image: &Image) -> Result<Vec<f32>> {

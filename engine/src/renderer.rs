@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::fovea::{DisplayGeometry, FoveaParams, GazeKeeper, Kernel, KfrMapping};
 use crate::gpu::Context;
 use crate::gpu::pipeline::FRAME_SLOTS;
-use crate::gpu::structs::SampleCounts;
+use crate::gpu::structs::{FrameParams, SampleCounts};
 use crate::gpu::timing::Timestamps;
 use crate::graph::Plan;
 use crate::host::TargetImage;
@@ -23,6 +23,7 @@ use crate::stats::{EffectNote, Effects, FrameStats, LpStats, PassTime};
 use ash::vk;
 use glam::{DMat4, DVec2, DVec3};
 use macula_trackers::GazeEstimate;
+use std::mem::offset_of;
 use std::sync::Arc;
 
 /// What changes from frame to frame.
@@ -68,6 +69,8 @@ pub struct Renderer {
     order: Vec<(f64, u32)>,
     slots: [SlotState; FRAME_SLOTS],
     frame_index: u32,
+    /// The native disc of any gaze on the display is at most as wide, radius in px.
+    widest_disc_px: f32,
     context: Arc<Context>,
 }
 
@@ -82,6 +85,8 @@ struct SlotState {
     gaze_held: bool,
     blended: usize,
     recorded: bool,
+    /// The native disc that the recorded dispatches have room for, radius in px.
+    widest_disc_px: f32,
 }
 
 impl Renderer {
@@ -112,7 +117,7 @@ impl Renderer {
             GpuContent::Scene(scene) => scene.instances.len(),
             GpuContent::SdfPrimitives => 0,
         };
-        Ok(Self {
+        let mut made = Self {
             settings: settings.clone(),
             content: match content {
                 GpuContent::Scene(scene) => Content::Scene(scene.clone()),
@@ -132,14 +137,16 @@ impl Renderer {
                 blended: Vec::with_capacity(instances),
                 shadow_views: if effects.shadows { effects.shadow_views } else { 0 },
                 native_box_px: 0,
-                first_filtered_column: 0,
             },
             order: Vec::with_capacity(instances),
             slots: [SlotState::default(); FRAME_SLOTS],
             frame_index: 0,
+            widest_disc_px: 0.0,
             effects,
             context: context.clone(),
-        })
+        };
+        made.widest_disc_px = made.widest_disc_px();
+        Ok(made)
     }
 
     /// Records a frame. The host submits, and waits for the slot's earlier frame before it records
@@ -156,7 +163,10 @@ impl Renderer {
         self.args.target = *target;
         let camera = CameraFrame::new(&self.settings.display, &input.world_from_view);
         self.args.eye = camera.eye;
-        self.write_fovea(slot, gaze_px);
+        let fovea = self.fovea_params(gaze_px);
+        let widest_disc_px = self.widest_disc_px.max(fovea.ring[0]);
+        self.args.native_box_px = (2.0 * widest_disc_px).ceil() as u32 + 2;
+        self.buffers.fovea[slot].write(0, &[fovea]);
         match &self.content {
             Content::Scene(scene) => {
                 frame_data::choose_visible(scene, &camera, &mut self.args, &mut self.order);
@@ -181,13 +191,42 @@ impl Renderer {
         let frame = camera.params(&self.settings, gaze_px, &self.effects, environment);
         self.buffers.frame[slot].write(0, &[frame]);
         self.buffers.findings[slot].write(0, &[0u32; 4]);
-        self.slots[slot] = SlotState { gaze_held: !valid, blended: self.args.blended.len(), recorded: true };
+        self.slots[slot] =
+            SlotState { gaze_held: !valid, blended: self.args.blended.len(), recorded: true, widest_disc_px };
         self.plan.record(&self.context, commands, &self.times, slot as u32, &self.args);
         self.frame_index = self.frame_index.wrapping_add(1);
         FrameSlot(slot)
     }
 
-    fn write_fovea(&mut self, slot: usize, gaze_px: DVec2) {
+    /// Replaces the gaze of a frame that is recorded but not yet submitted: late latching. The gaze lies
+    /// in mapped memory that the GPU reads when it executes the frame, so nothing is recorded again.
+    ///
+    /// The host calls it as late as it can, but before it submits: Vulkan promises that the GPU sees
+    /// what the host wrote before the submission. A gaze that is not finite changes nothing.
+    pub fn late_latch(&mut self, frame: FrameSlot, gaze_px: DVec2) {
+        let FrameSlot(slot) = frame;
+        if !gaze_px.is_finite() || !self.slots[slot].recorded {
+            return;
+        }
+        let (gaze_px, _) = self.keeper.accept(gaze_px);
+        self.slots[slot].gaze_held = false;
+        let mut fovea = self.fovea_params(gaze_px);
+        fovea.ring[0] = fovea.ring[0].min(self.slots[slot].widest_disc_px);
+        self.buffers.fovea[slot].write(0, &[fovea]);
+        let gaze = [gaze_px.x as f32, gaze_px.y as f32];
+        self.buffers.frame[slot].write(offset_of!(FrameParams, gaze), &[gaze]);
+    }
+
+    /// Of gazes on a grid over the display: the radius changes slowly with the gaze, and is greatest for
+    /// the centre, the edges' middles or the corners.
+    fn widest_disc_px(&self) -> f32 {
+        let size = DVec2::from_array(self.settings.display.size_px.map(f64::from));
+        let gazes = (0..25).map(|index| DVec2::new(f64::from(index % 5), f64::from(index / 5)) / 4.0 * size);
+        gazes.map(|gaze_px| self.fovea_params(gaze_px).ring[0]).fold(0.0, f32::max)
+    }
+
+    /// The mapping for a gaze, with its native disc.
+    fn fovea_params(&self, gaze_px: DVec2) -> FoveaParams {
         let display = self.settings.display.size_px;
         let (kernel, sigma, lp_filter) = match &self.settings.method {
             Method::Kfr(kfr) => (kfr.kernel, kfr.sigma, kfr.lp_filter),
@@ -196,20 +235,13 @@ impl Renderer {
         let mapping = KfrMapping::new(display, gaze_px, kernel, sigma);
         let mut params = FoveaParams::new(&mapping);
         let disc_px = native_radius_px(&self.settings.display, gaze_px, f64::from(params.ring[0]));
-        params.ring[0] = disc_px as f32;
         // The sample list's room for native pixels bounds the disc.
         let most_px = (f64::from(self.targets.native_capacity) / std::f64::consts::PI).sqrt() - 1.0;
-        params.ring[0] = params.ring[0].min(most_px.max(0.0) as f32);
+        params.ring[0] = (disc_px as f32).min(most_px.max(0.0) as f32);
         if !lp_filter {
             params.ring[2] = 1.0;
         }
-        let [lp_width, _] = self.targets.lp_size;
-        self.args.first_filtered_column = (params.ring[2] * lp_width as f32) as u32;
-        let radius_px = f64::from(params.ring[0]);
-        let nearest = gaze_px.clamp(DVec2::ZERO, DVec2::new(f64::from(display[0]), f64::from(display[1])));
-        let touches = nearest.distance(gaze_px) <= radius_px;
-        self.args.native_box_px = if touches { (2.0 * radius_px).ceil() as u32 + 2 } else { 0 };
-        self.buffers.fovea[slot].write(0, &[params]);
+        params
     }
 
     /// Figures of a frame that the GPU has finished.

@@ -85,7 +85,10 @@ fn a_steady_frame_allocates_nothing() {
             }
             let before = ALLOCATIONS.get();
             for frame in 4..20 {
-                renderer.submit(&input(frame)).unwrap();
+                let slot = renderer.record(&input(frame)).unwrap();
+                renderer.late_latch(slot, input(frame + 1).gaze_px);
+                renderer.launch().unwrap();
+                renderer.wait().unwrap();
             }
             let allocated = ALLOCATIONS.get() - before;
             assert_eq!(allocated, 0, "{method:?}: {allocated} allocations in 16 frames");

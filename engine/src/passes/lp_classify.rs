@@ -45,9 +45,7 @@ impl Pass<FrameArgs> for LpClassify {
         // The two dispatches touch the same counters, by atomics only: they need no barrier.
         self.pipeline.bind(commands, frame.slot, &MODE_TEXELS);
         dispatch_8x8(&self.context, commands, self.targets.lp_size);
-        if frame.native_box_px > 0 {
-            self.pipeline.bind(commands, frame.slot, &MODE_NATIVE);
-            dispatch_8x8(&self.context, commands, [frame.native_box_px; 2]);
-        }
+        self.pipeline.bind(commands, frame.slot, &MODE_NATIVE);
+        dispatch_8x8(&self.context, commands, [frame.native_box_px; 2]);
     }
 }

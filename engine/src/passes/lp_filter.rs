@@ -35,13 +35,9 @@ impl LpFilter {
 }
 
 impl Pass<FrameArgs> for LpFilter {
-    fn wanted(&self, frame: &FrameArgs) -> bool {
-        frame.first_filtered_column < self.targets.lp_size[0]
-    }
-
     fn record(&self, commands: vk::CommandBuffer, frame: &FrameArgs) {
         self.pipeline.bind(commands, frame.slot, &());
-        let [width, height] = self.targets.lp_size;
-        dispatch_8x8(&self.context, commands, [width - frame.first_filtered_column, height]);
+        // The first filtered column depends on the gaze, which may still change: the shader knows it.
+        dispatch_8x8(&self.context, commands, self.targets.lp_size);
     }
 }

@@ -55,10 +55,8 @@ pub struct FrameArgs {
     pub blended: Vec<u32>,
     /// Shadow views of this frame.
     pub shadow_views: u32,
-    /// Side of the native disc's box, px; 0 where it does not touch the display.
+    /// Side of a box, px, that has room for the native disc, of a late-latched gaze too.
     pub native_box_px: u32,
-    /// First column of the LP-buffer that is filtered.
-    pub first_filtered_column: u32,
 }
 
 /// Workgroups for one invocation per texel with groups of 8x8.
