@@ -1,5 +1,14 @@
 //! Readers of recorded sessions. A file is recognised by its content, never by its name.
 
+mod arff;
+mod eyelink_asc;
+mod irf_npy;
+mod rows;
+#[cfg(test)]
+pub(crate) mod testing;
+mod tobii_glasses3;
+mod xdf;
+
 use crate::error::{Error, Result};
 use crate::recording::{Recording, Screen};
 use flate2::read::MultiGzDecoder;
@@ -89,7 +98,8 @@ pub struct Format {
 }
 
 /// All formats, the more particular before the more general.
-pub const FORMATS: &[Format] = &[];
+pub const FORMATS: &[Format] =
+    &[xdf::FORMAT, irf_npy::FORMAT, eyelink_asc::FORMAT, arff::FORMAT, tobii_glasses3::FORMAT];
 
 /// Reads a recording of any known format.
 ///
