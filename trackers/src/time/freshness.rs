@@ -101,6 +101,11 @@ impl FreshnessMonitor {
         self.stalled_since_ns.is_some()
     }
 
+    /// The source's clock starts anew: the next time on it is a new one, whatever it is.
+    pub fn clock_restarted(&mut self) {
+        self.latest_device_ns = None;
+    }
+
     /// A sample came: its time on the source's clock, what it says ([`content_hash`]; `None` where it
     /// has no valid gaze, which is never taken for a repetition), and when it arrived.
     pub fn observe(
