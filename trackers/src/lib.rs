@@ -12,6 +12,7 @@ pub mod hid;
 pub mod recording;
 pub mod sample;
 pub mod source;
+pub mod stamp;
 #[cfg(test)]
 mod testing;
 pub mod time;
