@@ -123,7 +123,7 @@ impl<'a> Reader<'a> {
     fn line(&mut self, number: usize, line: &str) {
         if line.as_bytes().first().is_some_and(u8::is_ascii_digit) {
             if self.sample(line).is_none() {
-                self.rejects.add(format_args!("line {number}"), line.chars().take(60).collect::<String>());
+                self.rejects.add(format_args!("line {number}"), line);
             }
             return;
         }
