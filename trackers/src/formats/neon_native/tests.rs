@@ -1,5 +1,5 @@
 use super::*;
-use crate::formats;
+use crate::formats::{self, testing::agreement};
 use crate::testing::shared;
 use tempfile::TempDir;
 
@@ -121,7 +121,10 @@ fn the_real_recording_reads() {
     assert!(recording.rate_hz().is_some_and(|rate| (rate - 200.0).abs() < 1.0));
     assert_eq!(recording.times_ns()[0], 1_760_676_790_465_965_534);
     assert_eq!(recording.times_ns()[1787], 1_760_676_799_429_223_534);
+    // 45 fixations and saccades, 2 blinks.
     assert_eq!(recording.events.len(), 47);
+    let agreement = agreement(&recording);
+    assert!(agreement.x > 0.9 && agreement.y < -0.9, "{agreement}");
     for sample in recording.samples() {
         let (left, right) = (sample.left.origin_m.expect("told"), sample.right.origin_m.expect("told"));
         assert!(left.x < -0.029 && right.x > 0.029, "{left} {right}");
