@@ -8,9 +8,11 @@
 pub mod error;
 mod estimate;
 pub mod formats;
+pub mod hid;
 pub mod recording;
 pub mod sample;
 pub mod source;
+pub mod stamp;
 #[cfg(test)]
 mod testing;
 pub mod time;
