@@ -1,12 +1,27 @@
 //! Readers of recorded sessions. A file is recognised by its content, never by its name.
 
 mod arff;
+mod aria;
+mod axes;
+mod companions;
 mod eyelink_asc;
+mod fove;
+#[cfg(test)]
+mod fuzz_tests;
+mod gazebase;
 mod irf_npy;
+mod pico;
+mod pupil_cloud;
+mod pupil_core;
 mod rows;
+mod sranipal;
+mod table;
 #[cfg(test)]
 pub(crate) mod testing;
 mod tobii_glasses3;
+mod tobii_lab;
+mod tobii_sdk;
+mod varjo;
 mod xdf;
 
 use crate::error::{Error, Result};
@@ -98,8 +113,27 @@ pub struct Format {
 }
 
 /// All formats, the more particular before the more general.
-pub const FORMATS: &[Format] =
-    &[xdf::FORMAT, irf_npy::FORMAT, eyelink_asc::FORMAT, arff::FORMAT, tobii_glasses3::FORMAT];
+pub const FORMATS: &[Format] = &[
+    xdf::FORMAT,
+    irf_npy::FORMAT,
+    eyelink_asc::FORMAT,
+    arff::FORMAT,
+    tobii_glasses3::FORMAT,
+    sranipal::FORMAT,
+    pico::FORMAT,
+    varjo::FORMAT,
+    varjo::UNITY_FORMAT,
+    fove::FORMAT,
+    pupil_cloud::FORMAT,
+    pupil_cloud::EYE_STATE_FORMAT,
+    pupil_core::FORMAT,
+    tobii_lab::FORMAT,
+    tobii_sdk::FORMAT,
+    aria::FORMAT,
+    gazebase::VR_FORMAT,
+    gazebase::FORMAT,
+    gazebase::JUDO_FORMAT,
+];
 
 /// Reads a recording of any known format.
 ///
@@ -125,7 +159,8 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<Recording> {
         let head = input.head();
         let found = FORMATS.iter().find(|format| (format.matches)(input, &head));
         found.ok_or_else(|| {
-            Error::file(&input.path, format!("is of no known format; known are {}", names()))
+            let unknown = || format!("is of no known format; known are {}", names());
+            Error::file(&input.path, companions::what_it_is(input, &head).unwrap_or_else(unknown))
         })?
     };
     let mut recording = (format.read)(input, options)?;
