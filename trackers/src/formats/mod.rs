@@ -14,6 +14,8 @@ mod pico;
 mod pupil_cloud;
 mod pupil_core;
 mod rows;
+#[cfg(test)]
+mod shared_tests;
 mod sranipal;
 mod table;
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::axes::{of_left_up_forward, told};
 use super::table::{Col, Row, Table, guess_unit_ns, has_header, read_rows};
 use super::{Format, Input, ReadOptions};
 use crate::error::Result;
-use crate::recording::{Recording, RecordingInfo, Space};
+use crate::recording::{Recording, RecordingInfo, Screen, Space};
 use crate::sample::{EyeSample, GazeSample};
 use glam::{DVec2, DVec3};
 
@@ -136,7 +136,7 @@ fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
     };
     read_rows(&table, info, |row| match columns.other(row) {
         Some(why) => Err(why),
-        None => sample_of(row, &columns, size_px, unit_ns),
+        None => sample_of(row, &columns, size_px, options.screen, unit_ns),
     })
 }
 
@@ -144,29 +144,36 @@ fn sample_of(
     row: &Row,
     columns: &Columns,
     size_px: Option<DVec2>,
+    screen: Option<Screen>,
     unit_ns: f64,
 ) -> Result<GazeSample, &'static str> {
     let time_ns = row.time_ns(columns.time, unit_ns).ok_or("there is no time")?;
     let px = |columns: [Col; 2]| DVec2::from(columns.map(|column| row.number(column)));
     let fraction = |px: DVec2| size_px.map(|size_px| px / size_px).filter(|point| point.is_finite());
+    // Points of glasses are those of their camera.
+    let screen = screen.filter(|_| !columns.glasses);
+    let on_screen = |point: Option<DVec2>| Some(screen?.direction_of(point?));
     let [left, right] = columns.eyes.map(|eye| {
         let point_px = px(eye.point_px);
         let raw = row.vector(eye.direction);
         let direction =
             if columns.glasses { of_left_up_forward(raw) } else { DVec3::new(raw.x, -raw.y, raw.z) };
-        let direction = told(direction);
+        let point = fraction(point_px);
+        let direction = told(direction).or_else(|| on_screen(point));
         let claimed = eye.validity.is_none() || row.is(eye.validity, "valid");
         EyeSample {
             valid: claimed && (direction.is_some() || point_px.is_finite()),
             direction,
-            point: fraction(point_px),
+            point,
             pupil_mm: row.some(eye.pupil),
             ..EyeSample::default()
         }
     });
     let both_px = px(columns.point_px);
+    let point = fraction(both_px);
     // The combined point has no validity of its own: it is there or not.
-    let combined = EyeSample { valid: both_px.is_finite(), point: fraction(both_px), ..EyeSample::default() };
+    let combined =
+        EyeSample { valid: both_px.is_finite(), direction: on_screen(point), point, ..EyeSample::default() };
     let device_time_ns = row.time_ns(columns.eye_tracker_time, 1e3).or(Some(time_ns));
     Ok(GazeSample { device_time_ns, combined, left, right, ..GazeSample::at(time_ns) })
 }

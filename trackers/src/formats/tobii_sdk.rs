@@ -9,7 +9,7 @@ use super::axes::told;
 use super::table::{Col, Row, Table, guess_unit_ns, has_header, read_rows};
 use super::{Format, Input, ReadOptions};
 use crate::error::Result;
-use crate::recording::{Recording, RecordingInfo, Space};
+use crate::recording::{Recording, RecordingInfo, Screen, Space};
 use crate::sample::{EyeSample, GazeSample};
 use glam::{DVec2, DVec3};
 
@@ -45,12 +45,13 @@ impl EyeColumns {
         }
     }
 
-    fn sample(&self, row: &Row) -> EyeSample {
+    fn sample(&self, row: &Row, screen: Option<Screen>) -> EyeSample {
         let point = DVec2::from(self.point.map(|column| row.number(column)));
         let point = Some(point).filter(|point| point.is_finite() && *point != DVec2::NEG_ONE);
         let seen = |v: DVec3| told(v).filter(|v| *v != DVec3::NEG_ONE);
         let (eye_mm, gaze_mm) = (seen(row.vector(self.eye_mm)), seen(row.vector(self.gaze_mm)));
         let direction = eye_mm.zip(gaze_mm).and_then(|(eye_mm, gaze_mm)| (gaze_mm - eye_mm).try_normalize());
+        let direction = direction.or_else(|| Some(screen?.direction_of(point?)));
         let usable = row.some(self.validity).is_none_or(|validity| validity <= WORST_VALIDITY);
         EyeSample {
             valid: usable && point.is_some(),
@@ -77,7 +78,7 @@ fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
     };
     read_rows(&table, info, |row| {
         let time_ns = row.time_ns(time, unit_ns).ok_or("there is no time")?;
-        let [left, right] = eyes.map(|eye| eye.sample(row));
+        let [left, right] = eyes.map(|eye| eye.sample(row, options.screen));
         Ok(GazeSample { left, right, ..GazeSample::at(time_ns) })
     })
 }

@@ -1,6 +1,5 @@
 use super::super::testing::input;
 use super::*;
-use crate::recording::Screen;
 
 /// A header with the units written in one of the three ways, and rows in the fields' order.
 fn file(unit: impl Fn(&str, &str) -> String, rows: &[[&str; 14]]) -> String {
@@ -114,6 +113,10 @@ fn points_stay_px_until_the_size_is_known() {
     let screen = Screen { size_px: DVec2::new(1920.0, 1080.0), size_m: DVec2::ONE, distance_m: 1.0 };
     let options = ReadOptions { screen: Some(screen), ..ReadOptions::default() };
     let recording = read(&input(&text), &options).expect("well formed");
-    assert_eq!(recording.get(0).and_then(|sample| sample.combined.point), Some(DVec2::new(0.5, 0.25)));
+    let combined = recording.get(0).expect("one").combined;
+    assert_eq!(combined.point, Some(DVec2::new(0.5, 0.25)));
+    // A quarter of a display of 1 m above its middle, at 1 m.
+    let direction = combined.direction.expect("the display is known");
+    assert!(direction.abs_diff_eq(DVec3::new(0.0, 0.25, -1.0).normalize(), 1e-15), "{direction}");
     assert_eq!(recording.extra_column("Gaze point X"), None);
 }
