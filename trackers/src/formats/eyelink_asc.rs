@@ -17,7 +17,8 @@ use glam::{DVec2, DVec3};
 /// The format.
 pub const FORMAT: Format = Format { name: "eyelink-asc", matches, read };
 
-/// Distance of the plane of `HREF` coordinates from the eye, in their units (EyeLink manual, "HREF").
+/// Distance of the plane of `HREF` coordinates from the eye, in their units (EyeLink manual, "HREF"). In
+/// that plane x points right and y down: calibrations tell the target at the top with a negative y.
 const HREF_DISTANCE: f64 = 15_000.0;
 /// From here on a value means "missing": what older converters write instead of a dot.
 const MISSING: f64 = 1e8;
@@ -123,7 +124,7 @@ impl<'a> Reader<'a> {
     fn line(&mut self, number: usize, line: &str) {
         if line.as_bytes().first().is_some_and(u8::is_ascii_digit) {
             if self.sample(line).is_none() {
-                self.rejects.add(format_args!("line {number}"), line.chars().take(60).collect::<String>());
+                self.rejects.add(format_args!("line {number}"), line);
             }
             return;
         }

@@ -21,7 +21,8 @@ pub const VR_FORMAT: Format = Format { name: "gazebase-vr-csv", matches: matches
 /// JuDo1000.
 pub const JUDO_FORMAT: Format = Format { name: "judo1000-tsv", matches: matches_judo, read: read_judo };
 
-const REQUIRED: [&str; 4] = ["n", "x", "y", "val"];
+/// `val` is 0 where the gaze can be used; without it, every gaze can.
+const REQUIRED: [&str; 3] = ["n", "x", "y"];
 const DOCUMENTED: [&str; 8] = ["n", "x", "y", "val", "dP", "lab", "xT", "yT"];
 const VR_REQUIRED: [&str; 7] = ["n", "x", "y", "lx", "ly", "rx", "ry"];
 const VR_DOCUMENTED: [&str; 16] =
@@ -70,7 +71,7 @@ fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
     read_rows(&table, info, |row| {
         let time_ns = row.time_ns(time, unit_ns).ok_or("there is no time")?;
         let mut left = looking(row, angles);
-        left.valid &= row.number(validity) == 0.0;
+        left.valid &= row.some(validity).is_none_or(|validity| validity == 0.0);
         Ok(GazeSample { left, ..GazeSample::at(time_ns) })
     })
 }

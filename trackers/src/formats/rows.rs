@@ -14,6 +14,9 @@ pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, str>)>
     lines.map(move |(line, number)| (number, String::from_utf8_lossy(&line[..trimmed(line)])))
 }
 
+/// How much of an example is told.
+const EXAMPLE_LETTERS: usize = 120;
+
 /// Rows that were left out for one reason, with the first of them as an example.
 #[derive(Debug, Default)]
 pub(super) struct Rejects {
@@ -25,7 +28,9 @@ impl Rejects {
     /// Counts a row; `place` says where it is, as in `line 7`, `what` is wrong with it.
     pub(super) fn add(&mut self, place: impl Display, what: impl Display) {
         if self.rows == 0 {
-            self.first = format!("{place}: {what}");
+            let told = format!("{place}: {what}");
+            let clean = |letter: char| if letter.is_control() { ' ' } else { letter };
+            self.first = told.chars().take(EXAMPLE_LETTERS).map(clean).collect();
         }
         self.rows += 1;
     }

@@ -121,7 +121,7 @@ fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::{read_input, testing::input};
+    use crate::formats::{read_input, testing::agreement, testing::input};
     use crate::testing::shared;
 
     const GOOD: &str = r#"{"type":"gaze","timestamp":0.5,"data":{"gaze2d":[0.25,0.75],"gaze3d":[-100.0,-50.0,1000.0],"eyeleft":{"gazeorigin":[30.0,-10.0,-25.0],"gazedirection":[-0.6,0.0,0.8],"pupildiameter":3.5},"eyeright":{}}}"#;
@@ -181,6 +181,8 @@ mod tests {
         assert_eq!(recording.samples().filter(|sample| sample.right.valid).count(), 5522);
         assert!(recording.info.skipped.is_empty());
         assert!(recording.rate_hz().is_some_and(|rate| (rate - 100.0).abs() < 1.0));
+        let agreement = agreement(&recording);
+        assert!(agreement.x > 0.9 && agreement.y < -0.9, "{agreement}");
         for sample in recording.samples() {
             assert!(sample.left.origin_m.is_none_or(|at| at.x < 0.0), "the left eye lies to the left");
             assert!(sample.left.direction.is_none_or(|direction| direction.z < 0.0));

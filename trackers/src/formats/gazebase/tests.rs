@@ -34,7 +34,15 @@ fn a_file_without_its_header_is_read_in_the_documented_order() {
     assert_eq!(recording.len(), 2);
     assert!(recording.info.notes[0].contains("no header"), "{:?}", recording.info.notes);
     let error = super::super::read_input(&input("1,2,3\n4,5,6\n"), &options).expect_err("three columns");
-    assert!(error.to_string().contains("n, x, y, val"), "{error}");
+    assert!(error.to_string().contains("the columns n, x, y"), "{error}");
+}
+
+#[test]
+fn three_columns_are_enough() {
+    let text = input("n,x,y\n0,0,0\n1,nan,0\n");
+    let recording = super::super::read_input(&text, &ReadOptions::default()).expect("time and angles");
+    assert_eq!(recording.info.format, "gazebase-csv");
+    assert_eq!(recording.samples().map(|sample| sample.left.valid).collect::<Vec<_>>(), [true, false]);
 }
 
 #[test]

@@ -31,7 +31,8 @@ fn asked(options: &ReadOptions) -> Result<Option<f64>> {
     }
     let unit_ns = unit_s * 1e9;
     // 1e-6 s is not quite 1000 ns in doubles, but is meant to be.
-    Ok(Some(if (unit_ns - unit_ns.round()).abs() < 1e-6 { unit_ns.round().max(1e-6) } else { unit_ns }))
+    let whole = unit_ns.round();
+    Ok(Some(if whole >= 1.0 && (unit_ns - whole).abs() < 1e-6 { whole } else { unit_ns }))
 }
 
 /// The ns in one unit of a time column: as the options ask, else as its name says, else as documented.
