@@ -172,6 +172,11 @@ impl Recording {
         &self.time_ns
     }
 
+    /// Makes room for so many samples in all: growing by doubling would take up to twice the memory.
+    pub fn reserve(&mut self, samples: usize) {
+        self.time_ns.reserve_exact(samples.saturating_sub(self.time_ns.len()));
+    }
+
     /// Appends a sample.
     pub fn push(&mut self, sample: &GazeSample) {
         self.columns.resize(COLUMNS, None);
@@ -179,12 +184,14 @@ impl Recording {
         self.time_ns.push(sample.time_ns);
         if !self.received_ns.is_empty() || sample.received_ns != sample.time_ns {
             if self.received_ns.is_empty() {
+                self.received_ns.reserve_exact(self.time_ns.capacity());
                 self.received_ns.extend_from_slice(&self.time_ns[..index]);
             }
             self.received_ns.push(sample.received_ns);
         }
         if !self.device_ns.is_empty() || sample.device_time_ns != Some(sample.time_ns) {
             if self.device_ns.is_empty() {
+                self.device_ns.reserve_exact(self.time_ns.capacity());
                 self.device_ns.extend(self.time_ns[..index].iter().copied().map(Some));
             }
             self.device_ns.push(sample.device_time_ns);
@@ -197,12 +204,14 @@ impl Recording {
     }
 
     fn set(&mut self, index: usize, first: usize, values: &[f64]) {
+        let room = self.time_ns.capacity();
         for (column, &value) in self.columns[first..].iter_mut().zip(values) {
             match column {
                 Some(column) => column.push(value),
                 None if value.is_nan() => {}
                 None => {
-                    let mut made = vec![f64::NAN; index];
+                    let mut made = Vec::with_capacity(room);
+                    made.resize(index, f64::NAN);
                     made.push(value);
                     *column = Some(made);
                 }

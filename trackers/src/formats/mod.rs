@@ -1,14 +1,31 @@
 //! Readers of recorded sessions. A file is recognised by its content, never by its name.
 
 mod arff;
+mod aria;
+mod axes;
+mod companions;
 mod eyelink_asc;
+mod fove;
+#[cfg(test)]
+mod fuzz_tests;
+mod gazebase;
 mod hid_recorder;
 mod irf_npy;
 mod neon_native;
+mod pico;
+mod pupil_cloud;
+mod pupil_core;
 mod rows;
+#[cfg(test)]
+mod shared_tests;
+mod sranipal;
+mod table;
 #[cfg(test)]
 pub(crate) mod testing;
 mod tobii_glasses3;
+mod tobii_lab;
+mod tobii_sdk;
+mod varjo;
 mod xdf;
 
 use crate::error::{Error, Result};
@@ -108,6 +125,20 @@ pub const FORMATS: &[Format] = &[
     eyelink_asc::FORMAT,
     arff::FORMAT,
     tobii_glasses3::FORMAT,
+    sranipal::FORMAT,
+    pico::FORMAT,
+    varjo::FORMAT,
+    varjo::UNITY_FORMAT,
+    fove::FORMAT,
+    pupil_cloud::FORMAT,
+    pupil_cloud::EYE_STATE_FORMAT,
+    pupil_core::FORMAT,
+    tobii_lab::FORMAT,
+    tobii_sdk::FORMAT,
+    aria::FORMAT,
+    gazebase::VR_FORMAT,
+    gazebase::FORMAT,
+    gazebase::JUDO_FORMAT,
 ];
 
 /// Files that people have and that are not read: how they begin, and what to do.
@@ -145,8 +176,10 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<Recording> {
         let found = FORMATS.iter().find(|format| (format.matches)(input, &head));
         found.ok_or_else(|| {
             let known = UNREADABLE.iter().find(|(start, _)| input.bytes.starts_with(start));
+            let known = known.map(|(_, cause)| (*cause).to_owned());
             let unknown = || format!("is of no known format; known are {}", names());
-            Error::file(&input.path, known.map_or_else(unknown, |(_, cause)| (*cause).to_owned()))
+            let cause = known.or_else(|| companions::what_it_is(input, &head));
+            Error::file(&input.path, cause.unwrap_or_else(unknown))
         })?
     };
     let mut recording = (format.read)(input, options)?;
