@@ -1,5 +1,7 @@
 //! Readers of recorded sessions. A file is recognised by its content, never by its name.
 
+mod bids;
+
 use crate::error::{Error, Result};
 use crate::recording::{Recording, Screen};
 use flate2::read::MultiGzDecoder;
@@ -89,13 +91,17 @@ pub struct Format {
 }
 
 /// All formats, the more particular before the more general.
-pub const FORMATS: &[Format] = &[];
+pub const FORMATS: &[Format] = &[bids::FORMAT];
 
 /// Reads a recording of any known format.
 ///
 /// # Errors
 /// [`Error::Io`] and [`Error::File`], with what is wrong and where.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
+    // An hour of text takes more memory than its samples: this one is read as a stream.
+    if options.format.as_deref().is_none_or(|name| name == bids::FORMAT.name) && bids::is_recording(path) {
+        return bids::read_path(path, options);
+    }
     read_input(&Input::open(path)?, options)
 }
 
