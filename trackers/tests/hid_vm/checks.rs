@@ -6,12 +6,16 @@ use crate::uhid::{
 };
 use glam::{DVec2, DVec3};
 use macula_trackers::Result;
+use macula_trackers::bids::Recorder;
+use macula_trackers::formats::{self, ReadOptions};
 use macula_trackers::hid::{
     ConfigurationStatus, DeviceInfo, HidOptions, HidPort, HidSource, Port, Transport, USAGE_PAGE, discover,
 };
+use macula_trackers::recording::RecordingInfo;
 use macula_trackers::sample::GazeSample;
 use macula_trackers::source::{GazeSource, SourceEvent};
 use macula_trackers::time::host_now_ns;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -29,7 +33,9 @@ pub fn run() {
     let mut source =
         HidSource::standard(device.name(), Box::new(port), HidOptions::default()).expect("a source");
     features(&source, &tracker);
-    values(&full_rate(&mut source));
+    let samples = full_rate(&mut source);
+    values(&samples);
+    recording(&source, &samples);
     rubbish(&mut source, &mut tracker);
     overflow(&mut source, &gate);
     replug(&mut source, tracker);
@@ -152,6 +158,20 @@ fn values(samples: &[GazeSample]) {
         assert!(direction.abs_diff_eq((gaze_m - to_metres(RIGHT_UM)).normalize(), 1e-9));
     }
     assert!(samples.windows(2).all(|pair| pair[0].time_ns < pair[1].time_ns), "time goes on");
+}
+
+/// To a file and back, bit for bit.
+fn recording(source: &HidSource, samples: &[GazeSample]) {
+    let info = RecordingInfo { device: source.info().name.clone(), ..RecordingInfo::default() };
+    let mut recorder = Recorder::create(Path::new("/tmp/tracker"), &info, &[]).expect("a recording");
+    for sample in samples {
+        recorder.push(sample).expect("a sample on the disk");
+    }
+    let file = recorder.finish().expect("the end of the recording");
+    let read = formats::read(&file, &ReadOptions::default()).expect("a recording that reads");
+    assert_eq!(read.info.device, NAME);
+    assert!(read.samples().eq(samples.iter().copied()), "every bit of every sample");
+    told("recording", &format!("{} samples written and read", read.len()));
 }
 
 fn rubbish(source: &mut HidSource, tracker: &mut Tracker) {
