@@ -5,6 +5,7 @@
 //! prediction make a [`GazeEstimate`] of them for the time at which a picture will be displayed: a
 //! direction, how sure it is, and how it was made.
 
+pub mod bids;
 pub mod error;
 mod estimate;
 pub mod formats;

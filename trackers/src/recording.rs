@@ -9,7 +9,8 @@ use glam::{DQuat, DVec2, DVec3};
 const EYE_COLUMNS: usize = 12;
 /// Of the head: position, rotation.
 const HEAD_COLUMNS: usize = 7;
-const COLUMNS: usize = 3 * EYE_COLUMNS + HEAD_COLUMNS;
+/// Of a sample: the combined eye, the left, the right, the head.
+pub(crate) const COLUMNS: usize = 3 * EYE_COLUMNS + HEAD_COLUMNS;
 
 /// What the gaze directions and points of a recording refer to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -196,16 +197,8 @@ impl Recording {
             }
             self.device_ns.push(sample.device_time_ns);
         }
-        for (eye, first) in [&sample.combined, &sample.left, &sample.right].into_iter().zip(0..) {
-            let values = eye_values(eye);
-            self.set(index, first * EYE_COLUMNS, &values);
-        }
-        self.set(index, 3 * EYE_COLUMNS, &head_values(sample.head));
-    }
-
-    fn set(&mut self, index: usize, first: usize, values: &[f64]) {
         let room = self.time_ns.capacity();
-        for (column, &value) in self.columns[first..].iter_mut().zip(values) {
+        for (column, value) in self.columns.iter_mut().zip(values_of(sample)) {
             match column {
                 Some(column) => column.push(value),
                 None if value.is_nan() => {}
@@ -217,6 +210,22 @@ impl Recording {
                 }
             }
         }
+    }
+
+    /// Of whole columns, all of one length; a column of NaN is none. For readers of large files.
+    pub(crate) fn of_columns(info: RecordingInfo, columns: Columns) -> Self {
+        let Columns { time_ns, mut received_ns, mut device_ns, mut values } = columns;
+        if received_ns == time_ns {
+            received_ns = Vec::new();
+        }
+        if device_ns.iter().zip(&time_ns).all(|(device_ns, time_ns)| *device_ns == Some(*time_ns)) {
+            device_ns = Vec::new();
+        }
+        for column in &mut values {
+            column.take_if(|column| column.iter().all(|value| value.is_nan()));
+        }
+        values.resize(COLUMNS, None);
+        Self { info, time_ns, received_ns, device_ns, columns: values, ..Self::default() }
     }
 
     /// A sample; `None` beyond the end.
@@ -295,7 +304,29 @@ impl Recording {
     }
 }
 
-/// NaN stands for `None` in a column.
+/// The columns of a [`Recording`].
+#[derive(Debug, Default)]
+pub(crate) struct Columns {
+    pub time_ns: Vec<i64>,
+    /// May be empty where equal to `time_ns`, as `device_ns`.
+    pub received_ns: Vec<i64>,
+    pub device_ns: Vec<Option<i64>>,
+    /// In the order of [`values_of`].
+    pub values: Vec<Option<Vec<f64>>>,
+}
+
+/// A sample's values by columns; NaN stands for `None`.
+pub(crate) fn values_of(sample: &GazeSample) -> [f64; COLUMNS] {
+    let mut values = [f64::NAN; COLUMNS];
+    let (eyes, head) = values.split_at_mut(3 * EYE_COLUMNS);
+    for (part, eye) in eyes.chunks_exact_mut(EYE_COLUMNS).zip([&sample.combined, &sample.left, &sample.right])
+    {
+        part.copy_from_slice(&eye_values(eye));
+    }
+    head.copy_from_slice(&head_values(sample.head));
+    values
+}
+
 fn eye_values(eye: &EyeSample) -> [f64; EYE_COLUMNS] {
     let origin = eye.origin_m.unwrap_or(DVec3::NAN);
     let direction = eye.direction.unwrap_or(DVec3::NAN);

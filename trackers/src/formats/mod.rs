@@ -3,6 +3,7 @@
 mod arff;
 mod aria;
 mod axes;
+mod bids;
 mod companions;
 mod eyelink_asc;
 mod fove;
@@ -118,6 +119,7 @@ pub struct Format {
 
 /// All formats, the more particular before the more general.
 pub const FORMATS: &[Format] = &[
+    bids::FORMAT,
     xdf::FORMAT,
     irf_npy::FORMAT,
     neon_native::FORMAT,
@@ -155,6 +157,10 @@ const UNREADABLE: &[(&[u8], &str)] = &[
 /// # Errors
 /// [`Error::Io`] and [`Error::File`], with what is wrong and where.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
+    // An hour of text takes more memory than its samples: this one is read as a stream.
+    if options.format.as_deref().is_none_or(|name| name == bids::FORMAT.name) && bids::is_recording(path) {
+        return bids::read_path(path, options);
+    }
     let within = path.is_dir().then(|| neon_native::file_in(path)).flatten();
     read_input(&Input::open(within.as_deref().unwrap_or(path))?, options)
 }

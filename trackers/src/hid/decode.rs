@@ -127,7 +127,7 @@ impl Decoded {
                 self.time_ns = tick_ns(raw as u64, known.scale * 1e9);
                 *value = raw as u64 as f64 * known.scale;
             }
-            // These are what a person declared them to be: a range that is too narrow hides nothing.
+            // Settings and codes are taken as they come: a declared range that is too narrow hides none.
             Kind::Plain | Kind::Frequency => *value = scaled,
             Kind::Length | Kind::Angle => {
                 let within = (known.field.minimum..=known.field.maximum).contains(&raw);

@@ -12,9 +12,11 @@ const MAX_DEPTH: u32 = 8;
 const MAX_PUSHED: usize = 8;
 /// Bits of all reports together: eight reports of `HID_MAX_BUFFER_SIZE`, 16 KiB, of the Linux kernel.
 const MAX_BITS: u64 = 8 * 16384 * 8;
-/// Records of about 50 bytes that the parser would make: more allows larger descriptors and more memory
-/// (13 MB as it is). Microsoft's two descriptors cost about 400.
+/// Records of 48 bytes, the size of a collection, that the parser would make: more allows larger
+/// descriptors and more memory (13 MB as it is). Microsoft's two descriptors cost 659 and 779.
 const MAX_RECORDS: u64 = 1 << 18;
+/// A field without its collections and usages, in such records.
+const FIELD_RECORDS: u64 = 4;
 
 const MAIN: u8 = 0;
 const GLOBAL: u8 = 1;
@@ -146,7 +148,7 @@ impl<'a> Walk<'a> {
         // Both are below 2^32, so neither the product nor a few thousand of them overflow.
         self.bits += count * size.max(1);
         let fields = if self.usages > 0 { count } else { 1 };
-        self.records += (fields + 1).saturating_mul((1 << self.depth) + self.locals);
+        self.records += (fields + 1).saturating_mul(FIELD_RECORDS + (1 << self.depth) + self.locals);
         match data.split_first() {
             // Without this the parser would not tell which value belongs to which usage.
             Some((flags, rest)) if flags & CONSTANT != 0 && self.usages > 0 => {

@@ -2,6 +2,7 @@
 
 mod fuzz;
 mod hostile;
+mod source;
 
 use super::*;
 use crate::testing::shared;

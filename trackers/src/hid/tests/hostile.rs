@@ -40,6 +40,23 @@ fn limits_hold() {
 }
 
 #[test]
+fn the_most_that_is_let_through_is_parsed() {
+    // Six more collections around the gaze point's two, so that each field costs 4 + 2^8 + 2 records.
+    let fields = (1u64 << 18) / (4 + 256 + 2) - 10;
+    let nested = |fields: u64| {
+        let mut items = [0xa1, 0x00].repeat(6);
+        items.extend([0x15, 0, 0x25, 1, 0x75, 1, 0x96]);
+        items.extend((fields as u16).to_le_bytes());
+        items.extend([0x09, 0x21, 0x09, 0x22, 0x81, 0x02]);
+        items.extend([0xc0].repeat(6));
+        gaze_only(&items)
+    };
+    let parsed = layout(&nested(fields));
+    assert_eq!(parsed.reports[0].fields.len() as u64, fields);
+    assert!(why(&nested(fields + 20)).contains("too many fields"));
+}
+
+#[test]
 fn what_makes_no_sense_is_told() {
     assert!(why(&[0xc0]).contains("ends a collection that none began"));
     assert!(why(&[0xb4]).contains("pops a state that none pushed"));
