@@ -6,11 +6,13 @@
 //! direction, how sure it is, and how it was made.
 
 pub mod bids;
+pub mod bridge;
 pub mod error;
 mod estimate;
 pub mod formats;
 pub mod hid;
 pub mod recording;
+pub mod replay;
 pub mod sample;
 pub mod source;
 pub mod stamp;

@@ -51,10 +51,25 @@ impl Stamper {
         if let Some(device_ns) = sample.device_time_ns {
             let mapped = self.clock.observe(device_ns, sample.received_ns);
             (sample.time_ns, jumped) = (mapped.time_ns, mapped.jumped);
-            if jumped {
-                self.latest_device_ns = None;
-                self.freshness.clock_restarted();
-            }
+        }
+        self.tell(sample, jumped, events);
+        jumped
+    }
+
+    /// As [`Stamper::stamp`], of a source whose device time is on the host clock already: `time_ns` is
+    /// that, or the arrival where the source tells the future.
+    pub fn stamp_on_host_clock(&mut self, mut sample: GazeSample, events: &mut Vec<SourceEvent>) {
+        let told_ns = sample.device_time_ns.unwrap_or(sample.received_ns);
+        sample.time_ns = told_ns.min(sample.received_ns);
+        self.tell(sample, false, events);
+    }
+
+    fn tell(&mut self, sample: GazeSample, jumped: bool, events: &mut Vec<SourceEvent>) {
+        if jumped {
+            self.latest_device_ns = None;
+            self.freshness.clock_restarted();
+        }
+        if let Some(device_ns) = sample.device_time_ns {
             if let Some(samples) = self.lost_before(device_ns) {
                 events.push(SourceEvent::Lost { samples });
             }
@@ -71,7 +86,6 @@ impl Stamper {
                 events.extend(other);
             }
         }
-        jumped
     }
 
     /// Nothing more has come up to `now_ns`, host clock: appends [`SourceEvent::Stalled`] if that is

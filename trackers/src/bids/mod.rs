@@ -1,5 +1,5 @@
-//! The project's own recordings: BIDS eye-tracking (physiological recordings of type `eyetrack`, BIDS
-//! specification 1.11, formerly BEP020), with columns of its own for gaze in three dimensions.
+//! The project's own recordings: BIDS eye-tracking (physiological recordings of type `eyetrack`, known as
+//! BEP020), with columns of its own for gaze in three dimensions.
 //!
 //! A recording is two files of one name: `NAME.tsv.gz`, rows without a header, and `NAME.json`, the
 //! side-car that names the columns. `NAME` ends in `_physio`, and where this crate chooses it, in

@@ -216,8 +216,8 @@ impl Recorder {
         // What could not be written is not tried again when this is dropped.
         self.waiting.clear();
         let filled = if self.ragged { fill_up(&self.data, &self.layout.columns) } else { Ok(()) };
-        let span_s = (i128::from(self.last_ns) - i128::from(self.first_ns)) as f64 * 1e-9;
-        let rate_hz = (self.rows > 1 && span_s > 0.0).then(|| (self.rows - 1) as f64 / span_s);
+        let span_ns = i128::from(self.last_ns) - i128::from(self.first_ns);
+        let rate_hz = (self.rows > 1 && span_ns > 0).then(|| (self.rows - 1) as f64 * 1e9 / span_ns as f64);
         self.write_sidecar(Ending::Finished { rate_hz })?;
         flushed.and(filled)?;
         Ok(std::mem::take(&mut self.data))

@@ -82,6 +82,10 @@ impl Rows {
 
     /// The next piece of text.
     pub fn feed(&mut self, mut piece: &[u8]) {
+        if self.number == 0 && self.carried.is_empty() {
+            // A byte order mark.
+            piece = piece.strip_prefix(b"\xef\xbb\xbf").unwrap_or(piece);
+        }
         if !self.carried.is_empty() {
             let Some(end) = piece.iter().position(|byte| *byte == b'\n') else {
                 self.carry(piece);

@@ -217,6 +217,7 @@ fn the_file_is_what_bids_asks_for() {
     assert_eq!(sidecar["PhysioType"], "eyetrack");
     assert_eq!(sidecar["RecordedEye"], "cyclopean");
     assert_eq!(sidecar["timestamp"]["Units"], "s");
+    assert_eq!(sidecar["MaculaRecording"]["Finished"], true);
     let rate_hz = sidecar["SamplingFrequency"].as_f64().expect("a rate");
     assert!((rate_hz - 100.0).abs() < 1e-4, "{rate_hz}");
 }
