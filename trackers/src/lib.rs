@@ -11,6 +11,7 @@ pub mod formats;
 pub mod recording;
 pub mod sample;
 pub mod source;
+pub mod synthetic;
 #[cfg(test)]
 mod testing;
 pub mod time;
