@@ -199,7 +199,7 @@ impl Builder<'_> {
         let mut at_ns = from_ns;
         loop {
             let due_ns = at_ns.saturating_add((self.micro_left_s * 1e9) as i64).max(at_ns + APART_NS);
-            if due_ns + APART_NS >= until_ns {
+            if due_ns >= until_ns - APART_NS {
                 let passed_s = (until_ns - at_ns).max(0) as f64 * 1e-9;
                 self.micro_left_s = (self.micro_left_s - passed_s).max(0.0);
                 return until_ns.max(at_ns + APART_NS / 2);
@@ -310,8 +310,7 @@ impl Builder<'_> {
         let amplitude_rad = angle(from, to);
         let amplitude_deg = amplitude_rad.to_degrees();
         let length_ms = (duration_ms(saccade, amplitude_deg) * scale).clamp(1.0, LONGEST_MS);
-        let swing_deg =
-            (saccade.oscillation_fraction * amplitude_deg).min(saccade.oscillation_max_deg);
+        let swing_deg = (saccade.oscillation_fraction * amplitude_deg).min(saccade.oscillation_max_deg);
         let swing_ms = (saccade.oscillation_ms * (0.2 * swing.clamp(-2.0, 2.0)).exp()).clamp(4.0, 50.0);
         let flight = Flight {
             micro,

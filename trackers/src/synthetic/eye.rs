@@ -147,10 +147,8 @@ impl EyeModel {
     /// Whether the tracker does not see the left or the right eye at a time, by lids or by loss.
     pub(super) fn unseen_at(&mut self, time_ns: i64) -> [bool; 2] {
         let local_ns = self.enter(time_ns);
-        let hit = |spans: &[Span]| span_at(spans, local_ns).is_some();
-        let losses = &self.block.losses;
-        let both = hit(&self.block.covered) || hit(&losses.both);
-        [both || hit(&losses.left), both || hit(&losses.right)]
+        let covered = span_at(&self.block.covered, local_ns).is_some();
+        self.block.losses.at(local_ns).map(|lost| covered || lost)
     }
 
     /// The labelled events from one time to another. What reaches beyond is cut off there.

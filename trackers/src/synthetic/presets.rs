@@ -95,7 +95,7 @@ impl Default for TrackerSettings {
         Self {
             rate_hz: 120.0,
             accuracy_deg: vec![[0.0, 0.58], [5.0, 0.70], [10.0, 0.80], [15.0, 0.92], [20.0, 0.94]],
-            noise_deg: 0.1,
+            noise_deg: 0.11,
             noise_growth_per_deg: 0.01,
             wander_deg: 0.1,
             pupil_based: true,
@@ -199,20 +199,17 @@ impl SyntheticSettings {
     /// hand-labelled recordings (median 344 to 474 ms, a tenth below 115, a tenth above 1250).
     fn target_task(tracker: TrackerSettings) -> Self {
         Self {
-            scene: SceneSettings {
-                plan: Plan::Targets,
-                half_height_deg: 12.0,
-                ..SceneSettings::default()
-            },
+            scene: SceneSettings { plan: Plan::Targets, half_height_deg: 12.0, ..SceneSettings::default() },
             fixation: FixationSettings {
-                median_ms: 1250.0,
+                median_ms: 1500.0,
                 sigma: 0.35,
-                microsaccades_per_s: 1.1,
+                microsaccades_per_s: 1.15,
+                drift_deg_per_root_s: 0.2,
                 ..FixationSettings::default()
             },
             saccade: SaccadeSettings {
-                corrective_probability: 0.8,
-                corrective_ms: 130.0,
+                corrective_probability: 0.7,
+                corrective_ms: 140.0,
                 ..SaccadeSettings::default()
             },
             blink: BlinkSettings { per_min: 15.0, median_ms: 300.0, ..BlinkSettings::default() },

@@ -21,21 +21,27 @@ pub(super) struct Profile {
     pub(super) peak: f64,
 }
 
-/// Speed at a fraction of the duration before it is brought to an area of 1, the peak at `mode`.
-fn raw_speed(along: f64, mode: f64, sum: f64) -> f64 {
-    if along <= 0.0 || along >= 1.0 {
-        return 0.0;
-    }
-    // Relative to the mode, so that the peak is 1 and nothing underflows.
-    (sum * (mode * (along / mode).ln() + (1.0 - mode) * ((1.0 - along) / (1.0 - mode)).ln())).exp()
+/// Speeds at the nodes and half way between them.
+type Speeds = [f64; 2 * PIECES + 1];
+
+/// The logarithm of the speed, over `p + q`, when the peak is 1 and lies at `mode`.
+fn shape(mode: f64) -> Speeds {
+    std::array::from_fn(|index| {
+        let along = index as f64 / (2 * PIECES) as f64;
+        mode * (along / mode).ln() + (1.0 - mode) * ((1.0 - along) / (1.0 - mode)).ln()
+    })
 }
 
-/// Area below the speed, piece by piece, by Simpson's rule.
-fn areas(mode: f64, sum: f64) -> [f64; PIECES] {
-    let step = 1.0 / PIECES as f64;
+fn speeds(shape: &Speeds, sum: f64) -> Speeds {
+    // The ends are exp(-inf), which is zero.
+    shape.map(|logarithm| (sum * logarithm).exp())
+}
+
+/// Area below the speed in each piece, by Simpson's rule.
+fn areas(speeds: &Speeds) -> [f64; PIECES] {
     std::array::from_fn(|piece| {
-        let at = |part: f64| raw_speed((piece as f64 + part) * step, mode, sum);
-        (at(0.0) + 4.0 * at(0.5) + at(1.0)) * step / 6.0
+        let at = 2 * piece;
+        (speeds[at] + 4.0 * speeds[at + 1] + speeds[at + 2]) / (6 * PIECES) as f64
     })
 }
 
@@ -43,28 +49,26 @@ impl Profile {
     /// A course whose speed peaks at the fraction `mode` of its duration, at `peak` times its mean.
     /// Where no exponents within bounds give that peak, the nearest is taken.
     pub(super) fn new(mode: f64, peak: f64) -> Self {
-        let mode = mode.clamp(0.05, 0.95);
+        let shape = shape(mode.clamp(0.05, 0.95));
         let [mut low, mut high] = SUM;
-        for _ in 0..24 {
+        for _ in 0..20 {
             let middle = 0.5 * (low + high);
-            let area: f64 = areas(mode, middle).iter().sum();
+            let area: f64 = areas(&speeds(&shape, middle)).iter().sum();
             // The raw peak is 1, so that the area is the mean over the peak.
             if 1.0 / area < peak { low = middle } else { high = middle }
         }
-        let sum = 0.5 * (low + high);
-        let areas = areas(mode, sum);
+        let raw = speeds(&shape, 0.5 * (low + high));
+        let areas = areas(&raw);
         let total: f64 = areas.iter().sum();
         let mut position = [0.0; PIECES + 1];
-        let mut speed = [0.0; PIECES + 1];
         let mut passed = 0.0;
-        for (node, area) in areas.iter().enumerate() {
+        for (piece, area) in areas.iter().enumerate() {
             passed += area;
-            position[node + 1] = passed / total;
-            speed[node + 1] = raw_speed((node + 1) as f64 / PIECES as f64, mode, sum) / total;
+            position[piece + 1] = passed / total;
         }
         // What rounding left out: the whole distance is exactly 1.
         position[PIECES] = 1.0;
-        Self { position, speed, peak: 1.0 / total }
+        Self { position, speed: std::array::from_fn(|node| raw[2 * node] / total), peak: 1.0 / total }
     }
 
     /// The fraction of the distance after a fraction of the duration; 0 before and 1 behind.

@@ -150,6 +150,18 @@ pub(super) struct Losses {
     pub(super) right: Vec<Span>,
 }
 
+impl Losses {
+    /// Whether the left and the right eye are lost.
+    pub(super) fn at(&self, time_ns: i64) -> [bool; 2] {
+        let both = span_at(&self.both, time_ns).is_some();
+        [&self.left, &self.right].map(|spans| both || span_at(spans, time_ns).is_some())
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Span> {
+        self.both.iter().chain(&self.left).chain(&self.right)
+    }
+}
+
 impl Block {
     /// The step that a time of the block falls into. There always is one, as the first starts at 0.
     pub(super) fn step_at(&self, time_ns: i64) -> Option<&Step> {
@@ -159,7 +171,7 @@ impl Block {
 
     /// What the eye does at a time of the block, and how fast at most.
     pub(super) fn kind_at(&self, time_ns: i64, oscillates: bool) -> (TruthKind, f64) {
-        if span_at(&self.losses.both, time_ns).is_some() {
+        if self.losses.at(time_ns) == [true, true] {
             return (TruthKind::Lost, 0.0);
         }
         if span_at(&self.covered, time_ns).is_some() {
@@ -176,6 +188,7 @@ impl Block {
         oscillates: bool,
         gaze_at: impl Fn(i64) -> DVec3,
     ) -> Vec<TruthEvent> {
+        // The kind cannot change between two of these.
         let mut edges_ns: Vec<i64> = vec![within.start_ns, within.end_ns];
         for step in &self.steps {
             edges_ns.extend([step.start_ns, step.end_ns()]);
@@ -183,7 +196,7 @@ impl Block {
                 edges_ns.push(step.end_ns() + flight.swing_ns);
             }
         }
-        let spans = self.covered.iter().chain(&self.losses.both);
+        let spans = self.covered.iter().chain(self.losses.all());
         edges_ns.extend(spans.flat_map(|span| [span.start_ns, span.end_ns]));
         edges_ns.retain(|edge| (within.start_ns..=within.end_ns).contains(edge));
         edges_ns.sort_unstable();
@@ -193,8 +206,8 @@ impl Block {
             let [start_ns, end_ns] = [pair[0], pair[1]];
             let (kind, peak_deg_s) = self.kind_at(start_ns, oscillates);
             match events.last_mut() {
-                // Movements that touch stay apart; one rest or loss is one event.
-                Some(last) if last.kind == kind && peak_deg_s == 0.0 => last.end_ns = end_ns,
+                // An edge of something that does not show in the label, as the loss of one eye.
+                Some(last) if (last.kind, last.peak_deg_s) == (kind, peak_deg_s) => last.end_ns = end_ns,
                 _ => events.push(TruthEvent { kind, start_ns, end_ns, amplitude_deg: 0.0, peak_deg_s }),
             }
         }

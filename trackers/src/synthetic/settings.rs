@@ -216,16 +216,7 @@ impl SyntheticSettings {
     /// # Errors
     /// [`Error::Setting`] with the first that is out of it.
     pub fn check(&self) -> Result<()> {
-        let ranges = [
-            self.scene.ranges(),
-            self.fixation.ranges(),
-            self.saccade.ranges(),
-            self.blink.ranges(),
-            self.head.ranges(),
-            self.eyes.ranges(),
-            self.tracker.ranges(),
-        ];
-        for (name, value, low, high) in ranges.into_iter().flatten() {
+        for (name, value, low, high) in self.ranges() {
             if !(low..=high).contains(&value) {
                 return Err(Error::Setting(format!("{name} is {value}; give {low} to {high}")));
             }
@@ -241,6 +232,20 @@ impl SyntheticSettings {
             ));
         }
         Ok(())
+    }
+
+    /// Every number that has a range.
+    pub(super) fn ranges(&self) -> Vec<Range> {
+        let parts = [
+            self.scene.ranges(),
+            self.fixation.ranges(),
+            self.saccade.ranges(),
+            self.blink.ranges(),
+            self.head.ranges(),
+            self.eyes.ranges(),
+            self.tracker.ranges(),
+        ];
+        parts.into_iter().flatten().collect()
     }
 }
 

@@ -113,8 +113,7 @@ impl SyntheticTracker {
             + self.wander.at(time_ns) * self.settings.wander_deg
             + pull_deg;
         let split_deg = self.split.at_deg(place, eccentricity_deg) * EYE_SPLIT;
-        let error_deg =
-            [shared_deg + split_deg + noise_deg[0], shared_deg - split_deg + noise_deg[1]];
+        let error_deg = [shared_deg + split_deg + noise_deg[0], shared_deg - split_deg + noise_deg[1]];
         let seen = |direction: DVec3, by_deg: DVec2| {
             let swing = if self.settings.pupil_based { truth.pupil_swing } else { DVec3::ZERO };
             deflect((direction + swing).normalize_or(direction), by_deg)
@@ -176,8 +175,9 @@ impl SyntheticTracker {
     /// From the eye's movement to the sample's arrival, ns.
     pub(super) fn delay_ns(&self, number: i64) -> i64 {
         let mean_ms = self.settings.jitter_ms;
-        let jitter_ms =
-            Random::new(self.key, stream::SAMPLE + 1000, number).exponential(mean_ms).min(JITTER_CUT * mean_ms);
+        let jitter_ms = Random::new(self.key, stream::SAMPLE + 1000, number)
+            .exponential(mean_ms)
+            .min(JITTER_CUT * mean_ms);
         ((self.settings.latency_ms + jitter_ms) * 1e6) as i64
     }
 

@@ -27,7 +27,6 @@ pub struct Run {
 /// A saccade as measured.
 #[derive(Clone, Copy, Debug)]
 pub struct Saccade {
-    pub from: usize,
     pub amplitude_deg: f64,
     pub duration_ms: f64,
     pub peak_deg_s: f64,
@@ -83,9 +82,8 @@ impl Trace {
         let weight: f64 = 2.0 * (1..=HALF).map(|k| (k * k) as f64).sum::<f64>();
         let mut speed = vec![f64::NAN; self.place_deg.len()];
         for at in HALF..self.place_deg.len().saturating_sub(HALF) {
-            let slope: DVec2 = (1..=HALF)
-                .map(|k| (self.place_deg[at + k] - self.place_deg[at - k]) * k as f64)
-                .sum();
+            let slope: DVec2 =
+                (1..=HALF).map(|k| (self.place_deg[at + k] - self.place_deg[at - k]) * k as f64).sum();
             speed[at] = slope.length() / weight * 1000.0;
         }
         speed
@@ -106,7 +104,6 @@ impl Trace {
             let amplitude_deg = self.place_deg[run.to - 1].distance(self.place_deg[run.from]);
             if amplitude_deg.is_finite() && within.iter().all(|speed| speed.is_finite()) {
                 found.push(Saccade {
-                    from: run.from,
                     amplitude_deg,
                     duration_ms: (run.to - run.from) as f64,
                     peak_deg_s,

@@ -1,3 +1,4 @@
 mod analysis;
 mod invariance;
 mod statistics;
+mod tracker;
