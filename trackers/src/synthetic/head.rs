@@ -106,16 +106,15 @@ impl Sway {
     pub(super) fn pose(&self, time_ns: i64, follow_deg: DVec2) -> HeadPose {
         let mut angles_deg = follow_deg.extend(0.0);
         let mut position_m = DVec3::ZERO;
-        let half = 0.5_f64.sqrt();
+        let pair = |noise: &[Lattice; 2]| (noise[0].at(time_ns) + noise[1].at(time_ns)) * 0.5_f64.sqrt();
         // Roll and distance sway less than what turning and stepping do.
-        let other = self.other.at(time_ns);
         if self.settings.sway_deg > 0.0 {
-            let turn: DVec2 = self.turn.iter().map(|noise| noise.at(time_ns)).sum();
-            angles_deg += (turn * half).extend(other.x * 0.5) * self.settings.sway_deg;
+            let roll = self.other.at(time_ns).x * 0.5;
+            angles_deg += pair(&self.turn).extend(roll) * self.settings.sway_deg;
         }
         if self.settings.sway_mm > 0.0 {
-            let shift: DVec2 = self.shift.iter().map(|noise| noise.at(time_ns)).sum();
-            position_m = (shift * half).extend(other.y * 0.5) * (self.settings.sway_mm * 1e-3);
+            let depth = self.other.at(time_ns).y * 0.5;
+            position_m = pair(&self.shift).extend(depth) * (self.settings.sway_mm * 1e-3);
         }
         if self.settings.shake_deg > 0.0 {
             let phase = TAU * self.settings.shake_hz * (time_ns as f64 * 1e-9);
@@ -127,6 +126,9 @@ impl Sway {
 
 /// Yaw to the right, then pitch up, then roll counter-clockwise, degrees.
 fn rotation(angles_deg: DVec3) -> DQuat {
+    if angles_deg == DVec3::ZERO {
+        return DQuat::IDENTITY;
+    }
     let rad = angles_deg * 1.0_f64.to_radians();
     DQuat::from_rotation_y(-rad.x) * DQuat::from_rotation_x(rad.y) * DQuat::from_rotation_z(rad.z)
 }

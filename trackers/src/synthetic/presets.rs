@@ -95,7 +95,7 @@ impl Default for TrackerSettings {
         Self {
             rate_hz: 120.0,
             accuracy_deg: vec![[0.0, 0.58], [5.0, 0.70], [10.0, 0.80], [15.0, 0.92], [20.0, 0.94]],
-            noise_deg: 0.11,
+            noise_deg: 0.105,
             noise_growth_per_deg: 0.01,
             wander_deg: 0.1,
             pupil_based: true,
@@ -225,6 +225,8 @@ impl SyntheticSettings {
                 half_width_deg: 70.0,
                 half_height_deg: 30.0,
                 step_deg: 7.0,
+                // The eyes turn less than 60 degrees in the head.
+                max_amplitude_deg: 35.0,
                 depth_m: 2.0,
                 depth_sigma: 0.7,
                 pursuit_probability: 0.06,
@@ -232,7 +234,8 @@ impl SyntheticSettings {
             },
             head: HeadSettings {
                 follow_gain: 0.9,
-                sway_deg: 2.0,
+                // Wide enough that the eye in the head is rarely still, as in headset recordings.
+                sway_deg: 9.0,
                 sway_mm: 20.0,
                 vor_gain: 0.98,
                 ..HeadSettings::default()

@@ -105,7 +105,7 @@ impl Lattice {
 
     /// Evenly within +-sqrt(3), which has a standard deviation of 1.
     fn node(&self, index: i64) -> DVec2 {
-        let bits = hash(self.key, 0, index);
+        let bits = mix(self.key.wrapping_add((index as u64).wrapping_mul(STEP)));
         let halves = DVec2::new((bits >> 32) as f64, (bits & 0xFFFF_FFFF) as f64);
         (halves / f64::from(u32::MAX) * 2.0 - 1.0) * 3.0_f64.sqrt()
     }

@@ -80,13 +80,13 @@ impl Trace {
     pub fn speed_deg_s(&self) -> Vec<f64> {
         const HALF: usize = 9;
         let weight: f64 = 2.0 * (1..=HALF).map(|k| (k * k) as f64).sum::<f64>();
-        let mut speed = vec![f64::NAN; self.place_deg.len()];
-        for at in HALF..self.place_deg.len().saturating_sub(HALF) {
-            let slope: DVec2 =
-                (1..=HALF).map(|k| (self.place_deg[at + k] - self.place_deg[at - k]) * k as f64).sum();
-            speed[at] = slope.length() / weight * 1000.0;
-        }
-        speed
+        let slope = |at: usize| {
+            let ahead = (1..=HALF).map(|k| (self.place_deg[at + k] - self.place_deg[at - k]) * k as f64);
+            ahead.sum::<DVec2>().length() / weight * 1000.0
+        };
+        let count = self.place_deg.len();
+        let inside = |at: usize| at >= HALF && at + HALF < count;
+        (0..count).map(|at| if inside(at) { slope(at) } else { f64::NAN }).collect()
     }
 
     /// All that was seen from end to end.

@@ -49,7 +49,7 @@ fn labelled_peak_deg_s(amplitude_deg: f64) -> f64 {
 fn duration_and_peak_speed_follow_the_main_sequence() {
     let mut settings = preset("target-task");
     settings.scene.half_width_deg = 25.0;
-    let saccades = record(&settings, 1500, 1000.0).0.saccades();
+    let saccades = record(&settings, 1200, 1000.0).0.saccades();
     let points = saccades.iter().filter(|saccade| saccade.amplitude_deg >= 0.5);
     let (slope, at_zero) = line(points.map(|saccade| (saccade.amplitude_deg, saccade.duration_ms)));
     within("ms for each degree", slope, 2.28 - 0.12, 2.28 + 0.12);
@@ -223,6 +223,26 @@ fn gaze_stays_in_the_world_while_the_head_turns() {
         // The rest are moments of a nearly still head, when drift decides.
         assert!(opposite > 4000, "eye against head: {opposite} of about 5200");
     }
+}
+
+#[test]
+fn in_a_headset_the_eye_moves_against_the_head() {
+    let mut settings = preset("vr-exploration");
+    settings.tracker = TrackerSettings::preset("perfect").expect("a tracker");
+    let mut eye = EyeModel::new(&settings, 6).expect("sane settings");
+    let (mut in_head, mut in_world, mut off_deg) = (Vec::new(), Vec::new(), Vec::new());
+    for number in 0..60_000 {
+        let [first, second] = [0, 1].map(|next| eye.state_at((number + next) * SECOND_NS / 120));
+        off_deg.push(first.direction.angle_between(glam::DVec3::NEG_Z).to_degrees());
+        if first.kind == TruthKind::Fixation && second.kind == TruthKind::Fixation {
+            in_head.push(first.direction.angle_between(second.direction).to_degrees() * 120.0);
+            in_world.push(first.direction_world.angle_between(second.direction_world).to_degrees() * 120.0);
+        }
+    }
+    within("eye in head, median deg/s", percentile(&in_head, 0.5), 6.0, 30.0);
+    within("gaze in world, median deg/s", percentile(&in_world, 0.5), 0.0, 3.5);
+    // Beyond about 55 degrees no eye turns (Guitton and Volle 1987).
+    within("eccentricity, p99.9", percentile(&off_deg, 0.999), 15.0, 55.0);
 }
 
 #[test]

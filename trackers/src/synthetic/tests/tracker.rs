@@ -128,3 +128,13 @@ fn both_eyes_meet_at_what_is_looked_at() {
         assert!((met_m - 0.5).abs() < 1e-9, "{met_m}");
     }
 }
+
+#[test]
+fn labels_are_numbered_as_in_the_hand_labelled_recordings() {
+    use TruthKind::{Blink, Fixation, Lost, Microsaccade, Oscillation, Pursuit, Saccade};
+    let kinds = [Fixation, Saccade, Oscillation, Pursuit, Blink, Lost, Microsaccade];
+    for (code, kind) in (1..).zip(kinds) {
+        assert_eq!((kind.code(), TruthKind::from_code(code)), (code, Some(kind)));
+    }
+    assert_eq!((TruthKind::from_code(0), TruthKind::from_code(8)), (None, None));
+}

@@ -1,4 +1,0 @@
-mod analysis;
-mod invariance;
-mod statistics;
-mod tracker;
