@@ -63,7 +63,7 @@ pub(super) fn span_at(spans: &[Span], time_ns: i64) -> Option<Span> {
 }
 
 /// When the lids are down, and when they begin to rise, as fractions of a blink: they close faster than
-/// they open (Evinger et al. 1991).
+/// they open. Together with the median length this gives the 160 to 220 ms of the hand-labelled blinks.
 const CLOSED: [f64; 2] = [0.3, 0.5];
 
 /// How far the lids are open at a time of a blink, 0 to 1.

@@ -8,7 +8,7 @@ use glam::DVec2;
 /// Octaves of drift, the first with steps of [`SHORTEST_NS`], each next twice as long.
 const OCTAVES: usize = 7;
 const SHORTEST_NS: i64 = 20_000_000;
-/// Lattice step of the tremor: power up to about 90 Hz (Martinez-Conde et al. 2004).
+/// Lattice step of the tremor: power up to about 90 Hz, as tremor lies at 50 to 100 Hz (Bowers et al. 2019).
 const TREMOR_NS: i64 = 5_600_000;
 /// Octaves whose variance is `k` times their period have a mean square displacement of about `6 k` times
 /// the lag between the shortest and the longest period.

@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 
 /// Lattice steps of sway, slow and slower, ns.
 const SWAY_NS: [i64; 2] = [1_700_000_000, 4_300_000_000];
-/// Time that a turn of the head takes, ms, and what each degree adds: 30 degrees peak at about 100 deg/s,
-/// like the gaze shifts of Freedman (2008).
+/// Time that a turn of the head takes, ms, and what each degree adds: more makes a lazier head. 30 degrees
+/// peak at about 100 deg/s.
 const TURN_MS: f64 = 250.0;
 const TURN_MS_PER_DEG: f64 = 10.0;
 /// The head starts this much later than the eyes, ns.

@@ -39,7 +39,7 @@ impl Default for FixationSettings {
             microsaccades_per_s: 1.5,
             microsaccade_deg: 0.35,
             drift_deg_per_root_s: 0.15,
-            tremor_deg: 0.003,
+            tremor_deg: 0.0014,
         }
     }
 }

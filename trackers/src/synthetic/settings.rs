@@ -60,7 +60,7 @@ pub struct FixationSettings {
     /// Drift: root mean square displacement after 1 s, each axis, degrees. It grows with the root of
     /// the time up to about 1 s and then no further.
     pub drift_deg_per_root_s: f64,
-    /// Standard deviation of tremor, each axis, degrees.
+    /// Standard deviation of tremor, each axis, degrees; 5 seconds of arc (Bowers et al. 2019).
     pub tremor_deg: f64,
 }
 
