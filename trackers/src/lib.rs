@@ -16,6 +16,7 @@ pub mod replay;
 pub mod sample;
 pub mod source;
 pub mod stamp;
+pub mod synthetic;
 #[cfg(test)]
 mod testing;
 pub mod time;
