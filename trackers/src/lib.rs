@@ -8,6 +8,7 @@
 pub mod error;
 mod estimate;
 pub mod formats;
+pub mod latency;
 pub mod recording;
 pub mod sample;
 pub mod source;

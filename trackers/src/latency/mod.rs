@@ -1,0 +1,29 @@
+//! From the eye to the photons: how old the gaze is for which a picture was rendered, how far off it is
+//! by then, and what that asks of the foveation.
+//!
+//! A [`LatencyModel`] is a list of [`Stage`]s with how long each takes ([`preset`], or a TOML file).
+//! [`run`] takes a recorded or synthetic session through it, refresh by refresh of the display. Two
+//! waits are simulated instead of drawn: the sample's until the renderer takes it, and the picture's
+//! until the refresh.
+
+mod figures;
+mod file;
+mod model;
+mod preset;
+mod random;
+mod run;
+mod session;
+mod stage;
+mod suppression;
+#[cfg(test)]
+mod tests;
+mod timeline;
+
+pub use figures::Figures;
+pub use model::{Known, LatencyModel, measured_ms};
+pub use preset::{PRESETS, preset};
+pub use run::{ArrivalTimes, Arrived, Frame, GazeAnswer, LatencyRun, Question, RunSettings, run, run_with};
+pub use session::{EyeInterval, SessionGaze};
+pub use stage::{Delay, MOST_MEASURED, MOST_STAGE_MS, Stage, StageTime};
+pub use suppression::Suppression;
+pub use timeline::MOST_REFRESHES;
