@@ -6,24 +6,30 @@
 //! waits are simulated instead of drawn: the sample's until the renderer takes it, and the picture's
 //! until the refresh.
 
+mod budget;
 mod figures;
 mod file;
+mod ledger;
 mod model;
 mod preset;
 mod random;
 mod run;
 mod session;
 mod stage;
+mod summary;
 mod suppression;
 #[cfg(test)]
 mod tests;
 mod timeline;
 
+pub use budget::{Budget, BudgetPoint, REFERENCES, Reference, StageShare};
 pub use figures::Figures;
+pub use ledger::{FrameRow, Ledger, SampleRow, SampleRows};
 pub use model::{Known, LatencyModel, measured_ms};
 pub use preset::{PRESETS, preset};
 pub use run::{ArrivalTimes, Arrived, Frame, GazeAnswer, LatencyRun, Question, RunSettings, run, run_with};
 pub use session::{EyeInterval, SessionGaze};
 pub use stage::{Delay, MOST_MEASURED, MOST_STAGE_MS, Stage, StageTime};
+pub use summary::{LateLatch, LatencySummary};
 pub use suppression::Suppression;
 pub use timeline::MOST_REFRESHES;

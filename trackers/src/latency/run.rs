@@ -113,6 +113,8 @@ pub struct Frame {
     pub picture: u64,
     /// When that picture's gaze was taken, ns.
     pub latch_ns: i64,
+    /// When the renderer expected the picture's light, ns; before `display_ns` where it was late.
+    pub expected_ns: i64,
     /// The middle of the refresh's light, ns.
     pub display_ns: i64,
     /// The newest sample with a gaze that the renderer had: index in the recording.
@@ -271,10 +273,12 @@ impl Follower {
 /// What an answer is told of an arrival.
 pub(super) fn told(session: &SessionGaze, arrival: &Arrival, received_ns: i64) -> Arrived {
     let row = arrival.row as usize;
+    let time_ns = session.times_ns().get(row).copied().unwrap_or(received_ns);
     Arrived {
         index: session.recorded(row),
-        time_ns: session.times_ns().get(row).copied().unwrap_or(received_ns),
-        received_ns,
+        time_ns,
+        // A sweep may take more latency away than there is.
+        received_ns: received_ns.max(time_ns),
         direction: session.direction(row),
     }
 }
@@ -389,6 +393,7 @@ impl Runner<'_, '_> {
             refresh,
             picture: made.picture.number,
             latch_ns: made.picture.latch_ns,
+            expected_ns: made.picture.expected_ns,
             display_ns,
             sample: made.sample.map(|arrival| self.session.recorded(arrival.row as usize)),
             age_ns: sample_ns.map(|time| display_ns.saturating_sub(time).saturating_add(made.filter_ns)),

@@ -148,12 +148,16 @@ impl<'a> Clockwork<'a> {
     }
 
     fn refresh_ns(&self, refresh: i64) -> i64 {
-        self.first_ns.saturating_add((refresh as f64 * self.frame_ns).round() as i64)
+        // Wider than a time: two times can lie further apart than the largest of them.
+        let since_ns = (refresh as f64 * self.frame_ns).round() as i128;
+        let at_ns = i128::from(self.first_ns).saturating_add(since_ns);
+        at_ns.clamp(i64::MIN.into(), i64::MAX.into()) as i64
     }
 
     /// The first refresh at or after a time.
     fn refresh_after(&self, time_ns: i64) -> i64 {
-        let about = (time_ns.saturating_sub(self.first_ns) as f64 / self.frame_ns).floor() as i64;
+        let since_ns = i128::from(time_ns) - i128::from(self.first_ns);
+        let about = (since_ns as f64 / self.frame_ns).floor() as i64;
         (about - 1..=about + 2).find(|refresh| self.refresh_ns(*refresh) >= time_ns).unwrap_or(about + 1)
     }
 
