@@ -11,8 +11,11 @@ mod figures;
 mod file;
 mod ledger;
 mod model;
+mod page;
+mod plot;
 mod preset;
 mod random;
+mod report;
 mod run;
 mod session;
 mod stage;
@@ -21,12 +24,15 @@ mod suppression;
 #[cfg(test)]
 mod tests;
 mod timeline;
+mod verdict;
 
 pub use budget::{Budget, BudgetPoint, REFERENCES, Reference, StageShare};
 pub use figures::Figures;
 pub use ledger::{FrameRow, Ledger, SampleRow, SampleRows};
 pub use model::{Known, LatencyModel, measured_ms};
+pub use page::page;
 pub use preset::{PRESETS, preset};
+pub use report::{Bin, ClosePoint, Histogram, ReportData, Span, report_data};
 pub use run::{ArrivalTimes, Arrived, Frame, GazeAnswer, LatencyRun, Question, RunSettings, run, run_with};
 pub use session::{EyeInterval, SessionGaze};
 pub use stage::{Delay, MOST_MEASURED, MOST_STAGE_MS, Stage, StageTime};
