@@ -77,6 +77,11 @@ impl Sums {
         }
     }
 
+    /// A loss: the next step between samples is no wait for a sample.
+    pub(super) fn interrupt(&mut self) {
+        self.last_sample_ns = None;
+    }
+
     pub(super) fn add_late_latch(&mut self, gain_ns: i64) {
         self.gain_ns += gain_ns as f64;
         self.pictures += 1;

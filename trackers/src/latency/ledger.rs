@@ -227,7 +227,7 @@ impl Iterator for SampleRows<'_> {
     type Item = SampleRow;
 
     fn next(&mut self) -> Option<SampleRow> {
-        let Arrival { available_ns, row, usable } = *self.run.arrivals.get(self.arrival)?;
+        let Arrival { available_ns, time_ns, row, usable } = *self.run.arrivals.get(self.arrival)?;
         self.arrival += 1;
         let sample = self.session.recorded(row as usize);
         let frames = &self.run.frames;
@@ -243,7 +243,7 @@ impl Iterator for SampleRows<'_> {
         Some(SampleRow {
             sample,
             usable,
-            exposed_ns: self.session.times_ns().get(row as usize).copied().unwrap_or(available_ns),
+            exposed_ns: time_ns,
             available_ns,
             latched_ns: first.map(|frame| frame.latch_ns),
             displayed_ns: first.map(|frame| frame.display_ns),

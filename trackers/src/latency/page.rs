@@ -90,7 +90,7 @@ fn group(stage: Stage) -> &'static str {
 fn group_names() -> String {
     ["tracker", "host", "renderer", "display"]
         .into_iter()
-        .map(|name| format!("<span class=\"chip {name}\"></span> {name} "))
+        .map(|name| format!("<span class=\"group\"><span class=\"chip {name}\"></span> {name}</span> "))
         .collect()
 }
 
@@ -130,13 +130,14 @@ fn stages(data: &ReportData, width: f64) -> String {
         };
         svg += &bar(3.0, 18.0);
         svg += &bar(y + 6.0, 14.0);
+        // Before the bar where there is no room behind it.
+        let (at, anchor) = if to + 70.0 < width { (to + 5.0, "start") } else { (from - 5.0, "end") };
         _ = write!(
             svg,
             "<text x=\"{:.0}\" y=\"{:.1}\" text-anchor=\"end\">{name}</text>\
-             <text class=\"tick\" x=\"{:.1}\" y=\"{:.1}\">{:.1}{}</text>",
+             <text class=\"tick\" x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{:.1}{}</text>",
             left - 8.0,
             y + 18.0,
-            to + 5.0,
             y + 18.0,
             stage.mean_ms,
             if stage.guess && stage.mean_ms > 0.0 { " (guess)" } else { "" }

@@ -149,7 +149,7 @@ pub struct LatencyRun {
     /// Every refresh, in order of time.
     pub frames: Vec<Frame>,
     /// Mean share of each stage in the age, ms, in the order of [`Stage::ALL`]; they add up to the mean
-    /// age.
+    /// age of the frames that are not over a loss: holding over a blink is no one's latency.
     pub stage_ms: [f64; Stage::ALL.len()],
     /// From an eye movement to its first light, ms: the mean over movements at any time. The age and half
     /// of the step to the next sample shown. `None` where no two samples were shown.
@@ -273,12 +273,11 @@ impl Follower {
 /// What an answer is told of an arrival.
 pub(super) fn told(session: &SessionGaze, arrival: &Arrival, received_ns: i64) -> Arrived {
     let row = arrival.row as usize;
-    let time_ns = session.times_ns().get(row).copied().unwrap_or(received_ns);
     Arrived {
         index: session.recorded(row),
-        time_ns,
+        time_ns: arrival.time_ns,
         // A sweep may take more latency away than there is.
-        received_ns: received_ns.max(time_ns),
+        received_ns: received_ns.max(arrival.time_ns),
         direction: session.direction(row),
     }
 }
@@ -372,15 +371,10 @@ impl Runner<'_, '_> {
         };
         self.early.advance(self.arrivals, by(picture.early_latch_ns), |_| ());
         self.late.advance(self.arrivals, by(picture.late_latch_ns), |_| ());
-        let time = |follower: &Follower| self.time_ns(&follower.usable?);
-        if let (Some(early), Some(late)) = (time(&self.early), time(&self.late)) {
-            self.sums.add_late_latch(late.saturating_sub(early));
+        if let (Some(early), Some(late)) = (self.early.usable, self.late.usable) {
+            self.sums.add_late_latch(late.time_ns.saturating_sub(early.time_ns));
         }
         Made { picture, sample, over_loss: self.asker.newest.over_loss, direction, filter_ns }
-    }
-
-    fn time_ns(&self, arrival: &Arrival) -> Option<i64> {
-        self.session.times_ns().get(arrival.row as usize).copied()
     }
 
     fn frame(&mut self, made: &Made, refresh: u64, display_ns: i64) -> Frame {
@@ -388,7 +382,7 @@ impl Runner<'_, '_> {
         let truth = self.session.true_from(eye.row_after, display_ns);
         let error_deg = truth.zip(made.direction).map(|(truth, direction)| angle_deg(truth, direction));
         let counted = eye.counts && error_deg.is_some();
-        let sample_ns = made.sample.as_ref().and_then(|arrival| self.time_ns(arrival));
+        let sample_ns = made.sample.map(|arrival| arrival.time_ns);
         Frame {
             refresh,
             picture: made.picture.number,
@@ -410,8 +404,11 @@ impl Runner<'_, '_> {
 
     /// Adds the frame's age, stage by stage.
     fn add(&mut self, made: &Made, frame: &Frame, [scanout_ns, panel_ns]: [i64; 2]) {
-        let Some(arrival) = made.sample else { return };
-        let Some(time_ns) = self.time_ns(&arrival) else { return };
+        let Some(arrival) = made.sample.filter(|_| !made.over_loss) else {
+            self.sums.interrupt();
+            return;
+        };
+        let time_ns = arrival.time_ns;
         let Picture { latch_ns, gpu_start_ns, cpu_ns, gpu_ns, compositor_ns, .. } = made.picture;
         let mut parts = [0_i64; Stage::ALL.len()];
         let mut put = |stage: Stage, ns: i64| parts[stage as usize] = ns;

@@ -21,6 +21,8 @@ const DISPLAY_PHASE: u64 = 101;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Arrival {
     pub available_ns: i64,
+    /// Mid-exposure, ns.
+    pub time_ns: i64,
     /// In the session.
     pub row: u32,
     pub usable: bool,
@@ -45,7 +47,7 @@ pub(super) fn arrivals(
         };
         // A sample does not overtake another.
         last_ns = last_ns.max(own_ns);
-        made.push(Arrival { available_ns: last_ns, row, usable: session.direction(at).is_some() });
+        made.push(Arrival { available_ns: last_ns, time_ns, row, usable: session.direction(at).is_some() });
         Ok(())
     };
     match rows {

@@ -66,9 +66,9 @@ pub(super) fn verdict(summary: &LatencySummary) -> Verdict {
     Verdict {
         class: if works { "good" } else { "bad" },
         headline: if works {
-            format!("Foveation works with this latency at {radius_deg}°")
+            format!("Foveation works with this latency and a radius of {radius_deg}°")
         } else {
-            format!("Foveation does not work with this latency at {radius_deg}°")
+            format!("Foveation does not work with this latency and a radius of {radius_deg}°")
         },
         sentences,
     }
