@@ -3,6 +3,7 @@
 mod budget;
 mod eye;
 mod hostile;
+mod page;
 mod presets;
 
 use super::*;

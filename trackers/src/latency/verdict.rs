@@ -31,6 +31,12 @@ pub(super) fn verdict(summary: &LatencySummary) -> Verdict {
         "While the eye rests and sees, the true gaze lies outside the {radius_deg}° of full quality for \
          {percent:.2} % of the time; {target} % are allowed."
     )];
+    if let Some(all) = summary.outside_fraction_unsuppressed.filter(|all| *all > outside) {
+        sentences.push(format!(
+            "That counts on saccadic suppression: with the time just before and after saccades it is {:.2} %.",
+            all * 100.0
+        ));
+    }
     let needed = budget.needed_radius_deg.unwrap_or(radius_deg);
     if works {
         sentences.push(format!("A radius of {needed:.2}° would still do."));
