@@ -316,6 +316,17 @@ mod tests {
     }
 
     #[test]
+    fn what_is_no_file_is_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let message = LatencyModel::open(folder.path()).expect_err("a folder").to_string();
+        assert!(message.contains("is a folder"), "{message}");
+        let missing = folder.path().join("none.toml");
+        assert!(matches!(LatencyModel::open(&missing), Err(Error::Io { .. })));
+        std::fs::write(&missing, b"name = \"\xff\"").expect("a file");
+        assert!(LatencyModel::open(&missing).is_err());
+    }
+
+    #[test]
     fn hostile_files_are_refused_with_their_line() {
         let cases = [
             ("name = \"x\"\nspeed = 9\n", "line 2"),
