@@ -11,6 +11,7 @@ pub mod error;
 mod estimate;
 pub mod formats;
 pub mod hid;
+pub mod latency;
 pub mod recording;
 pub mod replay;
 pub mod sample;
