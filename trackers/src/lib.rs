@@ -6,9 +6,15 @@
 //! direction, how sure it is, and how it was made.
 
 pub mod error;
+pub mod classify;
 mod estimate;
+pub mod evaluate;
+pub mod filter;
 pub mod formats;
+pub mod history;
+pub mod predict;
 pub mod recording;
+mod ring;
 pub mod sample;
 pub mod source;
 #[cfg(test)]
