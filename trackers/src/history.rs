@@ -56,7 +56,7 @@ impl Entry {
         let openness =
             most(sample.left.openness, sample.right.openness).or(sample.combined.openness).filter(finite);
         let turn = sample.head.map(|head| head.world_from_view);
-        let turn = turn.filter(|turn| turn.is_finite() && turn.length_squared() > 1e-12);
+        let turn = turn.filter(|turn| (1e-6..1e6).contains(&turn.length()));
         Self {
             time_ns: sample.time_ns,
             direction,
@@ -157,6 +157,13 @@ impl History {
         Pushed::Restarted
     }
 
+    /// Sets the filtered direction of the newest entry; the raw one stays.
+    pub fn smooth_newest(&mut self, smoothed: DVec3) {
+        if let Some(newest) = self.entries.newest_mut() {
+            newest.smoothed = smoothed;
+        }
+    }
+
     /// Forgets everything.
     pub fn clear(&mut self) {
         self.entries.clear();
@@ -190,6 +197,16 @@ impl History {
     /// From the newest to the oldest.
     pub fn newest_first(&self) -> impl Iterator<Item = &Entry> + '_ {
         self.entries.newest_first()
+    }
+
+    /// The last valid entry at or before a time, or else the first valid one after it.
+    #[must_use]
+    pub fn valid_near(&self, time_ns: i64) -> Option<&Entry> {
+        let later = self.entries.partition(|entry| entry.time_ns > time_ns);
+        let mut earlier = (later..self.len()).filter_map(|back| self.entries.back(back));
+        let valid = |entry: &&Entry| entry.valid;
+        let after = || (0..later).rev().filter_map(|back| self.entries.back(back)).find(valid);
+        earlier.find(valid).or_else(after)
     }
 
     /// The last entry at or before a time, and the first after it.
@@ -294,8 +311,7 @@ mod tests {
     fn the_head_takes_gaze_into_the_world() {
         let turn = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2);
         let head = HeadPose { position_m: DVec3::ZERO, world_from_view: turn * 2.0 };
-        let sample =
-            GazeSample { combined: eye(DVec3::NEG_Z, None), head: Some(head), ..GazeSample::at(0) };
+        let sample = GazeSample { combined: eye(DVec3::NEG_Z, None), head: Some(head), ..GazeSample::at(0) };
         // Turned a quarter to the left, -Z of the view is -X of the world.
         assert!(Entry::of(&sample, 0.0).gaze().abs_diff_eq(DVec3::NEG_X, 1e-15));
         let broken = HeadPose { world_from_view: DQuat::from_array([f64::NAN; 4]), ..head };

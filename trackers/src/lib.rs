@@ -5,9 +5,10 @@
 //! prediction make a [`GazeEstimate`] of them for the time at which a picture will be displayed: a
 //! direction, how sure it is, and how it was made.
 
-pub mod error;
 pub mod classify;
+pub mod error;
 mod estimate;
+pub mod estimator;
 pub mod evaluate;
 pub mod filter;
 pub mod formats;

@@ -46,6 +46,11 @@ impl<T: Copy + Default> Ring<T> {
         self.slots.get((self.next + self.slots.len() - 1 - back) % self.slots.len())
     }
 
+    pub(crate) fn newest_mut(&mut self) -> Option<&mut T> {
+        let newest = (self.next + self.slots.len() - 1) % self.slots.len();
+        if self.len == 0 { None } else { self.slots.get_mut(newest) }
+    }
+
     /// From the newest to the oldest.
     pub(crate) fn newest_first(&self) -> impl Iterator<Item = &T> + '_ {
         (0..self.len).filter_map(|back| self.back(back))

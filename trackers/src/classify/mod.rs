@@ -20,8 +20,13 @@ use motion::{Point, RunningMedian, velocity};
 
 /// Points kept to date an onset back: 128 ms at 4 kHz.
 const POINTS: usize = 512;
-/// Noise assumed at the start, deg/s: between that of a laboratory tracker (3) and a headset's (10).
-const START_NOISE_DEG_S: f64 = 5.0;
+/// Noise assumed at the start, deg/s: that of a headset at 120 Hz, so that jitter is no saccade before it is
+/// known how strong it is.
+const START_NOISE_DEG_S: f64 = 15.0;
+/// For so long, s, the noise is learnt faster, with a memory of [`START_MEMORY_S`]: the start value is off
+/// by up to a factor of ten.
+const START_S: f64 = 0.3;
+const START_MEMORY_S: f64 = 0.1;
 /// Sample-to-sample jitter assumed at the start, deg.
 const START_JITTER_DEG: f64 = 0.1;
 
@@ -121,6 +126,8 @@ struct State {
     drift_deg_s: DVec3,
     noise_deg_s: RunningMedian,
     jitter_deg: RunningMedian,
+    /// How long noise was learnt, s, up to [`START_S`].
+    learnt_s: f64,
     /// End and peak speed of the last saccade.
     last_saccade: Option<(i64, f64)>,
     /// Speed along the saccade at the point before, and its time.
@@ -141,6 +148,7 @@ impl Default for State {
             drift_deg_s: DVec3::ZERO,
             noise_deg_s: RunningMedian::new(START_NOISE_DEG_S, 0.1, 200.0),
             jitter_deg: RunningMedian::new(START_JITTER_DEG, 1e-4, 10.0),
+            learnt_s: 0.0,
             last_saccade: None,
             along: (0.0, 0),
             turning_ns: None,

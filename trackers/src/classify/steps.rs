@@ -1,6 +1,6 @@
 //! What each state makes of the next sample.
 
-use super::{Classifier, Event, EventUpdate, Open, Point, velocity};
+use super::{Classifier, Event, EventUpdate, Open, Point, START_MEMORY_S, START_S, velocity};
 use crate::estimate::EyeState;
 use crate::history::Entry;
 use glam::DVec3;
@@ -52,16 +52,14 @@ impl Classifier {
         self.state.velocity.deg_s - self.state.drift_deg_s
     }
 
-    /// Learns noise and slow velocity from a sample outside saccades.
-    fn learn(&mut self, step_ns: i64, drift_too: bool) {
-        let speed = self.fast().length();
-        if speed < self.thresholds().0 {
-            let share = self.share(step_ns, self.settings.noise_memory_s);
-            self.state.noise_deg_s.push(speed, share);
-        }
-        if drift_too {
-            let share = 1.0 - (-self.share(step_ns, self.settings.drift_tau_s)).exp();
-            self.state.drift_deg_s += self.fast() * share;
+    /// Learns noise from a sample that does not belong to a saccade, or is the first that does: else the
+    /// noise of a tracker that becomes noisier would pass for saccades for ever.
+    fn learn_noise(&mut self, step_ns: i64) {
+        let starts = self.state.learnt_s < START_S;
+        let memory_s = if starts { START_MEMORY_S } else { self.settings.noise_memory_s };
+        self.state.noise_deg_s.push(self.fast().length(), self.share(step_ns, memory_s));
+        if starts {
+            self.state.learnt_s += step_ns as f64 * 1e-9;
         }
     }
 
@@ -82,10 +80,14 @@ impl Classifier {
         if let Some(open) = self.state.open.as_mut() {
             open.peak_deg_s = open.peak_deg_s.max(speed.min(threshold));
         }
+        self.learn_noise(step_ns);
         if speed > threshold {
             return self.begin_saccade(entry, offset_deg_s);
         }
-        self.learn(step_ns, !settling);
+        if !settling {
+            let share = 1.0 - (-self.share(step_ns, self.settings.drift_tau_s)).exp();
+            self.state.drift_deg_s += self.fast() * share;
+        }
         self.pursuit(entry)
     }
 
@@ -139,7 +141,8 @@ impl Classifier {
                 return None;
             }
             // Too long: it was the start of a pursuit.
-            let finished = self.state.before.take().map(|before| before.ended(saccade.start_ns, saccade.start_gaze));
+            let finished =
+                self.state.before.take().map(|before| before.ended(saccade.start_ns, saccade.start_gaze));
             self.state.drift_deg_s = self.state.velocity.deg_s;
             self.begin(EyeState::Pursuit, saccade.start_ns, saccade.start_gaze, entry.time_ns);
             return self.told([finished, None], entry.time_ns);
@@ -155,7 +158,8 @@ impl Classifier {
         if !real {
             return self.retract(entry.time_ns);
         }
-        let before = self.state.before.take().map(|before| before.ended(saccade.start_ns, saccade.start_gaze));
+        let before =
+            self.state.before.take().map(|before| before.ended(saccade.start_ns, saccade.start_gaze));
         self.begin(EyeState::Fixation, end_ns, end_gaze, entry.time_ns);
         self.told([before, Some(event)], entry.time_ns)
     }

@@ -223,9 +223,8 @@ pub fn score_events(found: &[EventRow], labelled: &[EventRow], settings: &MatchS
     let large = |row: &EventRow| row.amplitude_deg >= settings.least_amplitude_deg;
     let share = |rows: &[&EventRow], partners: &[Option<usize>]| {
         let counted = rows.iter().zip(partners).filter(|(row, _)| large(row));
-        let (all, hits) = counted.fold((0, 0), |(all, hits), (_, partner)| {
-            (all + 1, hits + usize::from(partner.is_some()))
-        });
+        let (all, hits) = counted
+            .fold((0, 0), |(all, hits), (_, partner)| (all + 1, hits + usize::from(partner.is_some())));
         (all, if all > 0 { hits as f64 / all as f64 } else { 0.0 })
     };
     let (found_count, precision) = share(&found, &partner_of_found);

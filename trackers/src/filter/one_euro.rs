@@ -54,7 +54,8 @@ impl Filter for OneEuro {
     fn apply(&mut self, time_ns: i64, direction: DVec3, _state: EyeState) -> DVec3 {
         let step = self.last.map(|last| (last, time_ns.saturating_sub(last.time_ns)));
         let Some((last, step_ns)) = step.filter(|(_, step_ns)| (1..=MAX_STEP_NS).contains(step_ns)) else {
-            self.last = Some(Last { time_ns, raw: direction, output: direction, velocity_rad_s: DVec3::ZERO });
+            self.last =
+                Some(Last { time_ns, raw: direction, output: direction, velocity_rad_s: DVec3::ZERO });
             self.delay_ns = 0;
             return direction;
         };

@@ -16,18 +16,22 @@ pub struct GateSettings {
     /// The prediction is this far ahead, ns, along the velocity: again the paper's shortest saccade.
     /// Longer overshoots small saccades, shorter falls short of large ones.
     pub ahead_ns: i64,
+    /// A gaze at rest that is further than this, deg, from the last computed one has moved unnoticed, in a
+    /// blink or by drift. Lower computes more often, higher lets the fovea lie further off.
+    pub rest_deg: f64,
 }
 
 impl Default for GateSettings {
     fn default() -> Self {
-        Self { gate_ns: 20_000_000, ahead_ns: 20_000_000 }
+        Self { gate_ns: 20_000_000, ahead_ns: 20_000_000, rest_deg: 0.5 }
     }
 }
 
 /// Computes only while the eye moves, and then at most once in 20 ms: gaze plus velocity times the
-/// shortest saccade. In between, and while the eye rests, the prediction stays. Other than in the paper it
-/// is computed once more when the eye comes to rest; else the last guess of a landing would stay for
-/// the whole fixation.
+/// shortest saccade. In between, and while the eye rests, the prediction stays. The paper has a mouse for an
+/// eye, whose every step is a movement; here the eye also counts as moved when it comes to rest and when
+/// it rests elsewhere than was computed, else the last guess of a landing would stay for the whole
+/// fixation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gate20 {
     settings: GateSettings,
@@ -59,8 +63,10 @@ impl Predictor for Gate20 {
         let moving = matches!(phase.state, EyeState::Saccade | EyeState::Pursuit);
         let stopped = self.moving && !moving;
         self.moving = moving;
-        let due = self.computed.is_none_or(|(last_ns, _)| {
-            moving && entry.time_ns.saturating_sub(last_ns) >= self.settings.gate_ns
+        let due = self.computed.is_none_or(|(last_ns, computed)| {
+            let off_deg = computed.angle_between(entry.smoothed_gaze()).to_degrees();
+            let waited = entry.time_ns.saturating_sub(last_ns) >= self.settings.gate_ns;
+            waited && (moving || off_deg > self.settings.rest_deg)
         });
         if due || stopped {
             let ahead_s = if moving { self.settings.ahead_ns.max(0) as f64 * 1e-9 } else { 0.0 };

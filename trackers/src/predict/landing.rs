@@ -230,8 +230,7 @@ impl Predictor for LandingPredictor {
         self.points.push(Point { time_ns: entry.time_ns, gaze: entry.gaze() });
         self.state = phase.state;
         self.last = Some((entry.time_ns, entry.smoothed_gaze(), phase.velocity));
-        self.flight =
-            if phase.state == EyeState::Saccade { self.flight(entry, phase) } else { None };
+        self.flight = if phase.state == EyeState::Saccade { self.flight(entry, phase) } else { None };
     }
 
     fn predict(&self, time_ns: i64) -> Option<DVec3> {
