@@ -297,7 +297,8 @@ impl Estimator {
 /// On the great circle from one unit vector to another.
 fn between(from: DVec3, to: DVec3, share: f64) -> DVec3 {
     let angle = from.angle_between(to);
-    if !(angle > 1e-6) || angle > std::f64::consts::PI - 1e-6 {
+    // The same direction, or opposite ones, between which there is no one great circle.
+    if !(1e-6..std::f64::consts::PI - 1e-6).contains(&angle) {
         return if share < 0.5 { from } else { to };
     }
     let direction = from * ((1.0 - share) * angle).sin() + to * (share * angle).sin();

@@ -47,7 +47,9 @@ impl Entry {
             .or_else(|| most(sample.left.confidence, sample.right.confidence))
             .filter(|confidence| !confidence.is_nan())
             .is_none_or(|confidence| confidence.clamp(0.0, 1.0) >= min_confidence);
-        let gaze = sample.gaze_direction().filter(|_| confident);
+        // The length of a direction near the ends of the range of f64 comes out right the second time.
+        let again = |(direction, one_eye): (DVec3, bool)| Some((direction.try_normalize()?, one_eye));
+        let gaze = sample.gaze_direction().filter(|_| confident).and_then(again);
         let (direction, one_eye) = gaze.unwrap_or((DVec3::ZERO, false));
         // A combined gaze is of one eye where the source tells of both and only one is valid.
         let told = |eye: &crate::sample::EyeSample| eye.valid || eye.direction.is_some();
