@@ -5,7 +5,7 @@ mod predictions;
 
 pub use events::{EventRow, MatchSettings, Score, events_of, labelled_events, naive_saccades, score_events};
 pub use predictions::{
-    LandingRow, PredictionReport, PredictionRow, landing_rows, predict_report, predict_report_of,
+    LandingRow, PredictionReport, PredictionRow, landing_errors, predict_report, predict_report_of,
 };
 
 /// The value that a share of the others lie below; NaN of none. Sorts them.

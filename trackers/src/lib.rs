@@ -12,12 +12,14 @@ pub mod estimator;
 pub mod evaluate;
 pub mod filter;
 pub mod formats;
+pub mod hid;
 pub mod history;
 pub mod predict;
 pub mod recording;
 mod ring;
 pub mod sample;
 pub mod source;
+pub mod stamp;
 #[cfg(test)]
 mod testing;
 pub mod time;

@@ -1,6 +1,7 @@
 //! A recorded session in memory, by columns: a column exists only where some sample has a value in it,
 //! so that an hour at 1 kHz stays within a few hundred megabytes.
 
+use crate::EyeState;
 use crate::sample::{EyeSample, GazeSample, HeadPose};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -83,6 +84,30 @@ pub struct ExtraColumn {
     pub values: Vec<f64>,
 }
 
+/// Which eye an event of a recording is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EventEye {
+    /// Both together, or the file does not say.
+    Both,
+    /// The left eye.
+    Left,
+    /// The right eye.
+    Right,
+}
+
+/// What the recording's own software found the eye to do; never computed here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RecordedEvent {
+    /// What it is.
+    pub kind: EyeState,
+    /// Time of its first sample on the clock of the samples, ns.
+    pub start_ns: i64,
+    /// Time of its last sample, ns.
+    pub end_ns: i64,
+    /// Whose it is.
+    pub eye: EventEye,
+}
+
 /// What is known of a recording besides its samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecordingInfo {
@@ -111,6 +136,8 @@ pub struct Recording {
     pub info: RecordingInfo,
     /// Values that have no place in a sample.
     pub extra: Vec<ExtraColumn>,
+    /// Events that the file tells, in its order.
+    pub events: Vec<RecordedEvent>,
     time_ns: Vec<i64>,
     /// Empty while equal to `time_ns`.
     received_ns: Vec<i64>,
@@ -210,12 +237,27 @@ impl Recording {
         (0..self.len()).map(|index| self.get(index).unwrap_or_default())
     }
 
+    /// The values of an extra column, one for each sample, NaN where missing; `None` if there is none of
+    /// that name.
+    #[must_use]
+    pub fn extra_column(&self, name: &str) -> Option<&[f64]> {
+        let column = self.extra.iter().find(|column| column.name == name)?;
+        Some(&column.values)
+    }
+
     /// Notes rows that became no sample. Rows with the same reason are counted together.
     pub fn skip(&mut self, rows: u64, why: impl Into<String>) {
         let why = why.into();
         match self.info.skipped.iter_mut().find(|skipped| skipped.why == why) {
             Some(skipped) => skipped.rows += rows,
             None => self.info.skipped.push(Skipped { rows, why }),
+        }
+    }
+
+    /// As [`Self::skip`], where there may have been none.
+    pub fn skip_any(&mut self, rows: u64, why: &str) {
+        if rows > 0 {
+            self.skip(rows, why);
         }
     }
 

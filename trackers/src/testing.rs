@@ -16,3 +16,13 @@ pub fn shared(relative: &str) -> Option<PathBuf> {
     }
     found
 }
+
+/// Share of a saccade covered at a share of its duration, by a velocity profile of the gamma shape
+/// x^4 exp(-4 x / peak) of van Opstal and van Gisbergen (1987), brought down to 0 at the end; summed up
+/// step by step. The peak lies a little before `peak`.
+#[allow(dead_code)]
+pub fn gamma_saccade(share: f64, peak: f64) -> f64 {
+    let speed = |x: f64| x.powi(4) * (-4.0 * x / peak).exp() * (1.0 - x);
+    let sum = |to: f64| (0..200).map(|step| speed(to * (f64::from(step) + 0.5) / 200.0)).sum::<f64>() * to;
+    sum(share.clamp(0.0, 1.0)) / sum(1.0)
+}

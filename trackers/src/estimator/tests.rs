@@ -1,5 +1,6 @@
 use super::*;
 use crate::sample::{EyeSample, HeadPose};
+use crate::testing::gamma_saccade;
 use proptest::prelude::*;
 
 const MS: i64 = 1_000_000;
@@ -180,10 +181,9 @@ fn the_head_goes_on_turning() {
 #[test]
 fn a_saccade_is_answered_with_its_landing() {
     let mut estimator = fixating(EstimatorSettings::default(), 300, 0.0);
-    // A minimum-jerk saccade of 10 deg in 43 ms, half of it seen.
+    // A saccade of 10 deg in 43 ms, half of it seen.
     for ms in 0..=22_i64 {
-        let x = ms as f64 / 43.0;
-        let deg = 10.0 * x.powi(3) * (10.0 - 15.0 * x + 6.0 * x * x);
+        let deg = 10.0 * gamma_saccade(ms as f64 / 43.0, 0.43);
         estimator.push(&looking((300 + ms) * MS, deg));
     }
     let estimate = estimator.estimate_at(330 * MS).expect("in flight");

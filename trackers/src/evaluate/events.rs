@@ -81,7 +81,7 @@ pub fn events_of(recording: &Recording, settings: &ClassifierSettings) -> Vec<Ev
 /// without such a column.
 #[must_use]
 pub fn labelled_events(recording: &Recording) -> Option<Vec<EventRow>> {
-    let labels = &recording.extra.iter().find(|column| column.name == "evt")?.values;
+    let labels = recording.extra_column("evt")?;
     let times = recording.times_ns();
     let mut events = Vec::new();
     let mut start = 0;

@@ -67,8 +67,8 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(kind: PredictorKind, settings: &'a ClassifierSettings) -> Self {
-        Self { classifier: Classifier::new(*settings), predictor: kind.make(), settings, last: None }
+    fn new(predictor: Box<dyn Predictor>, settings: &'a ClassifierSettings) -> Self {
+        Self { classifier: Classifier::new(*settings), predictor, settings, last: None }
     }
 
     fn push(&mut self, entry: &Entry, restarted: bool) {
@@ -136,7 +136,7 @@ pub fn predict_report_of(
     let step_ns = recording.rate_hz().map_or(0, |rate_hz| (1e9 / rate_hz) as i64);
     let mut horizons = Vec::new();
     for kind in PredictorKind::ALL {
-        let mut run = Run::new(kind, settings);
+        let mut run = Run::new(kind.make(), settings);
         let mut errors = vec![Vec::new(); horizons_ms.len()];
         for (entry, restarted) in &entries {
             run.push(entry, *restarted);
@@ -162,50 +162,58 @@ pub fn predict_report_of(
     PredictionReport { saccades, horizons, landings: landing_rows(recording, events, settings) }
 }
 
-/// Distance from the predicted landing point to the gaze at each saccade's end, for all predictors: asked
-/// after shares of its duration, with the samples until then. A predictor that tells no landing is
-/// asked for the gaze at the saccade's true end.
-#[must_use]
-pub fn landing_rows(
+fn landing_rows(
     recording: &Recording,
     events: &[EventRow],
     settings: &ClassifierSettings,
 ) -> Vec<LandingRow> {
-    let entries = entries(recording);
-    let step_ns = recording.rate_hz().map_or(0, |rate_hz| (1e9 / rate_hz) as i64);
-    let mut saccades: Vec<_> = events
-        .iter()
-        .filter(|event| event.kind == EyeState::Saccade.name() && event.amplitude_deg >= 1.0)
-        .collect();
-    saccades.sort_by(|one, other| one.start_s.total_cmp(&other.start_s));
     let mut rows = Vec::new();
     for kind in PredictorKind::ALL {
         for fraction in FRACTIONS {
-            let mut errors = Vec::new();
-            let mut run = Run::new(kind, settings);
-            let mut fed = 0;
-            for saccade in &saccades {
-                let asked_s = saccade.start_s + fraction * (saccade.end_s - saccade.start_s);
-                let asked_ns = (asked_s * 1e9) as i64;
-                let end_ns = (saccade.end_s * 1e9) as i64;
-                while let Some((entry, restarted)) =
-                    entries.get(fed).filter(|(entry, _)| entry.time_ns <= asked_ns)
-                {
-                    run.push(entry, *restarted);
-                    fed += 1;
-                }
-                let landing = run.predictor.landing().map(|landing| landing.gaze);
-                let told = landing.or_else(|| run.predictor.predict(end_ns));
-                if let Some((told, truth)) = told.zip(truth_at(&entries, end_ns, step_ns)) {
-                    errors.push((saccade.amplitude_deg, told.angle_between(truth).to_degrees()));
-                }
-            }
-            let name = run.predictor.name();
+            let predictor = kind.make();
+            let name = predictor.name();
+            let errors = landing_errors(recording, events, settings, predictor, fraction);
             rows.push(landing_row(name, fraction, (1.0, f64::INFINITY), &errors));
             rows.extend(BINS_DEG.map(|bin| landing_row(name, fraction, bin, &errors)));
         }
     }
     rows
+}
+
+/// For each saccade of 1 degree or more, its amplitude and the distance from the predicted landing point
+/// to the gaze at its end, deg: asked after a share of its duration, with the samples until then and no
+/// knowledge of the given events. A predictor that tells no landing is asked for the gaze at the
+/// saccade's true end.
+#[must_use]
+pub fn landing_errors(
+    recording: &Recording,
+    events: &[EventRow],
+    settings: &ClassifierSettings,
+    predictor: Box<dyn Predictor>,
+    fraction: f64,
+) -> Vec<(f64, f64)> {
+    let entries = entries(recording);
+    let step_ns = recording.rate_hz().map_or(0, |rate_hz| (1e9 / rate_hz) as i64);
+    let saccade = |event: &&EventRow| event.kind == EyeState::Saccade.name() && event.amplitude_deg >= 1.0;
+    let mut saccades: Vec<_> = events.iter().filter(saccade).collect();
+    saccades.sort_by(|one, other| one.start_s.total_cmp(&other.start_s));
+    let mut errors = Vec::new();
+    let mut run = Run::new(predictor, settings);
+    let mut fed = 0;
+    for saccade in saccades {
+        let asked_s = saccade.start_s + fraction * (saccade.end_s - saccade.start_s);
+        let (asked_ns, end_ns) = ((asked_s * 1e9) as i64, (saccade.end_s * 1e9) as i64);
+        while let Some((entry, restarted)) = entries.get(fed).filter(|(entry, _)| entry.time_ns <= asked_ns) {
+            run.push(entry, *restarted);
+            fed += 1;
+        }
+        let landing = run.predictor.landing().map(|landing| landing.gaze);
+        let told = landing.or_else(|| run.predictor.predict(end_ns));
+        if let Some((told, truth)) = told.zip(truth_at(&entries, end_ns, step_ns)) {
+            errors.push((saccade.amplitude_deg, told.angle_between(truth).to_degrees()));
+        }
+    }
+    errors
 }
 
 fn landing_row(

@@ -1,5 +1,16 @@
 //! Readers of recorded sessions. A file is recognised by its content, never by its name.
 
+mod arff;
+mod eyelink_asc;
+mod hid_recorder;
+mod irf_npy;
+mod neon_native;
+mod rows;
+#[cfg(test)]
+pub(crate) mod testing;
+mod tobii_glasses3;
+mod xdf;
+
 use crate::error::{Error, Result};
 use crate::recording::{Recording, Screen};
 use flate2::read::MultiGzDecoder;
@@ -89,14 +100,32 @@ pub struct Format {
 }
 
 /// All formats, the more particular before the more general.
-pub const FORMATS: &[Format] = &[];
+pub const FORMATS: &[Format] = &[
+    xdf::FORMAT,
+    irf_npy::FORMAT,
+    neon_native::FORMAT,
+    hid_recorder::FORMAT,
+    eyelink_asc::FORMAT,
+    arff::FORMAT,
+    tobii_glasses3::FORMAT,
+];
 
-/// Reads a recording of any known format.
+/// Files that people have and that are not read: how they begin, and what to do.
+const UNREADABLE: &[(&[u8], &str)] = &[
+    (
+        b"MATLAB ",
+        "is a MATLAB file, which is not read; write its samples as a GazeBase CSV: n (ms), x and y (degrees)",
+    ),
+    (b"SR_RESEARCH_COMBINED_FILE", "is an EyeLink EDF, which is not read; convert it with edf2asc"),
+];
+
+/// Reads a recording of any known format; also a folder, where the format is one.
 ///
 /// # Errors
 /// [`Error::Io`] and [`Error::File`], with what is wrong and where.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Recording> {
-    read_input(&Input::open(path)?, options)
+    let within = path.is_dir().then(|| neon_native::file_in(path)).flatten();
+    read_input(&Input::open(within.as_deref().unwrap_or(path))?, options)
 }
 
 /// As [`read`], of a file in memory.
@@ -115,7 +144,9 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<Recording> {
         let head = input.head();
         let found = FORMATS.iter().find(|format| (format.matches)(input, &head));
         found.ok_or_else(|| {
-            Error::file(&input.path, format!("is of no known format; known are {}", names()))
+            let known = UNREADABLE.iter().find(|(start, _)| input.bytes.starts_with(start));
+            let unknown = || format!("is of no known format; known are {}", names());
+            Error::file(&input.path, known.map_or_else(unknown, |(_, cause)| (*cause).to_owned()))
         })?
     };
     let mut recording = (format.read)(input, options)?;
@@ -124,4 +155,35 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<Recording> {
         recording.skip(0, "the compressed file breaks off; what came before was read");
     }
     Ok(recording)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_read_says_what_to_do() {
+        let told = |content: &[u8]| {
+            let error =
+                read_input(&testing::input(content), &ReadOptions::default()).expect_err("unreadable");
+            error.to_string()
+        };
+        assert!(told(b"MATLAB 5.0 MAT-file, Platform: GLNXA64").contains("GazeBase CSV"));
+        assert!(told(b"SR_RESEARCH_COMBINED_FILE\0").contains("edf2asc"));
+        assert!(told(b"\0\0").contains("no known format; known are xdf"));
+        assert!(told(b"").contains("empty"));
+        let named = ReadOptions { format: Some("no-such".into()), ..ReadOptions::default() };
+        assert!(
+            read_input(&testing::input(b"x"), &named)
+                .is_err_and(|error| error.to_string().contains("no-such"))
+        );
+    }
+
+    #[test]
+    fn names_of_formats_are_their_own() {
+        let mut names: Vec<_> = FORMATS.iter().map(|format| format.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), FORMATS.len());
+    }
 }

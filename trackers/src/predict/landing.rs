@@ -4,7 +4,6 @@
 //! its amplitude (the main sequence). So every amplitude and duration explains the displacements so far more or
 //! less well, and the mean over all of them, weighted by how well, is the prediction.
 
-use super::template::Template;
 use super::{Landing, Predictor, along, horizon_s};
 use crate::classify::{Phase, Velocity};
 use crate::estimate::EyeState;
@@ -37,7 +36,8 @@ pub struct LandingSettings {
     /// saccades differ by about 15 %. Larger trusts the course more than the main sequence.
     pub duration_spread: f64,
     /// Median amplitude expected before anything is known, deg, and the standard deviation of its
-    /// logarithm. Natural viewing has a median of about 5 deg, half of them between 2 and 11.
+    /// logarithm. 5 deg is common in natural viewing; a deviation of 2 makes that a weak belief (two thirds
+    /// between 0.7 and 37 deg). Smaller ones pull small saccades up and large ones down.
     pub usual_amplitude_deg: f64,
     /// See `usual_amplitude_deg`.
     pub amplitude_spread: f64,
@@ -60,7 +60,7 @@ impl Default for LandingSettings {
             duration_s_per_deg: 0.0022,
             duration_spread: 0.15,
             usual_amplitude_deg: 5.0,
-            amplitude_spread: 1.2,
+            amplitude_spread: 2.0,
             shape_error: 0.1,
             speed_error: 0.3,
             independent_points: 3.0,
@@ -73,7 +73,6 @@ impl Default for LandingSettings {
 #[derive(Clone, Debug)]
 pub struct LandingPredictor {
     settings: LandingSettings,
-    template: Template,
     points: Ring<Point>,
     state: EyeState,
     last: Option<(i64, DVec3, Velocity)>,
@@ -112,14 +111,7 @@ impl LandingPredictor {
     /// A predictor with nothing seen yet.
     #[must_use]
     pub fn new(settings: LandingSettings) -> Self {
-        Self {
-            settings,
-            template: Template::new(),
-            points: Ring::new(POINTS),
-            state: EyeState::Unknown,
-            last: None,
-            flight: None,
-        }
+        Self { settings, points: Ring::new(POINTS), state: EyeState::Unknown, last: None, flight: None }
     }
 
     fn flight(&self, entry: &Entry, phase: &Phase) -> Option<Flight> {
@@ -177,7 +169,7 @@ impl LandingPredictor {
             let variance = jitter_deg.powi(2) + (settings.shape_error * amplitude_deg).powi(2);
             for deviation in DURATIONS {
                 let duration_s = usual_s * (deviation * settings.duration_spread).exp();
-                let at = |time_s: f64| amplitude_deg * self.template.covered(time_s / duration_s);
+                let at = |time_s: f64| amplitude_deg * covered(time_s / duration_s);
                 let squares: f64 = course.iter().map(|(time_s, deg)| (deg - at(*time_s)).powi(2)).sum();
                 let lasted_s = newest.0 - earlier.0;
                 let moved = newest.1 - earlier.1 - (at(newest.0) - at(earlier.0));
@@ -210,6 +202,14 @@ impl LandingPredictor {
     }
 }
 
+/// The template: share of the amplitude covered at a share of the duration. Its velocity is
+/// x (1 - x)^2: it peaks at a third of the duration at 1.78 times the mean, and dies out softly, as
+/// saccades of more than a few degrees do (van Opstal and van Gisbergen 1987).
+fn covered(time: f64) -> f64 {
+    let left = 1.0 - if time > 0.0 { time.min(1.0) } else { 0.0 };
+    1.0 - left * left * left * (4.0 - 3.0 * left)
+}
+
 impl Flight {
     fn at_deg(&self, deg: f64) -> DVec3 {
         let angle = deg.to_radians();
@@ -240,12 +240,12 @@ impl Predictor for LandingPredictor {
             return Some(if on { along(gaze, velocity, horizon_s(from_ns, time_ns)) } else { gaze });
         };
         // From where the eye is on along the template, so that the prediction begins without a jump.
-        let covered = |at_ns: i64| {
+        let left_at = |at_ns: i64| {
             let since_s = at_ns.saturating_sub(flight.start_ns) as f64 * 1e-9;
-            self.template.covered(since_s / flight.duration_s)
+            1.0 - covered(since_s / flight.duration_s)
         };
-        let left = 1.0 - covered(from_ns);
-        let share = if left > 0.0 { 1.0 - (1.0 - covered(time_ns)) / left } else { 1.0 };
+        let left = left_at(from_ns);
+        let share = if left > 0.0 { 1.0 - left_at(time_ns) / left } else { 1.0 };
         Some(flight.at_deg(flight.covered_deg + (flight.amplitude_deg - flight.covered_deg) * share))
     }
 
@@ -263,5 +263,22 @@ impl Predictor for LandingPredictor {
         self.state = EyeState::Unknown;
         self.last = None;
         self.flight = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::covered;
+
+    /// The profile x (1 - x)^2 summed up step by step.
+    #[test]
+    fn the_template_is_the_integral_of_its_profile() {
+        let profile = |x: f64| x * (1.0 - x) * (1.0 - x);
+        let sum = |to: usize| (0..to).map(|step| profile((step as f64 + 0.5) / 1e4)).sum::<f64>();
+        for percent in 0..=100 {
+            let expected = sum(percent * 100) / sum(10_000);
+            assert!((covered(percent as f64 / 100.0) - expected).abs() < 1e-6, "{percent} %");
+        }
+        assert_eq!([f64::NAN, -1.0, f64::INFINITY].map(covered), [0.0, 0.0, 1.0]);
     }
 }

@@ -6,7 +6,6 @@ mod gate;
 mod kalman;
 mod landing;
 mod simple;
-mod template;
 
 pub use gate::{Gate20, GateSettings};
 pub use kalman::{Kalman, KalmanSettings};
