@@ -183,7 +183,7 @@ fn a_saccade_is_answered_with_its_landing() {
     let mut estimator = fixating(EstimatorSettings::default(), 300, 0.0);
     // A saccade of 10 deg in 43 ms, half of it seen.
     for ms in 0..=22_i64 {
-        let deg = 10.0 * gamma_saccade(ms as f64 / 43.0, 0.43);
+        let deg = 10.0 * gamma_saccade(ms as f64 / 43.0, 0.7);
         estimator.push(&looking((300 + ms) * MS, deg));
     }
     let estimate = estimator.estimate_at(330 * MS).expect("in flight");

@@ -84,9 +84,8 @@ fn the_gate_computes_once_in_20_ms_and_only_while_the_eye_moves() {
 /// Saccades of the gamma shape, the larger the more skewed: other shapes than the template's.
 #[test]
 fn half_a_saccade_tells_its_end() {
-    for (amplitude, duration_ms, peak) in [(2.0, 25, 0.5), (5.0, 32, 0.47), (10.0, 43, 0.43), (20.0, 65, 0.4)]
-    {
-        let course = |ms: i32| amplitude * gamma_saccade(f64::from(ms) / f64::from(duration_ms), peak);
+    for (amplitude, duration_ms, fall) in [(2.0, 25, 0.9), (5.0, 32, 0.8), (10.0, 43, 0.7), (20.0, 65, 0.5)] {
+        let course = |ms: i32| amplitude * gamma_saccade(f64::from(ms) / f64::from(duration_ms), fall);
         let mut predictor = LandingPredictor::default();
         for ms in -100..=duration_ms / 2 {
             let deg = course(ms);
