@@ -86,9 +86,13 @@ impl Estimator {
         Self { filters, predictor, ..Self::new(settings) }
     }
 
-    /// Takes a sample.
+    /// Takes a sample, and says what the history made of its time. A source that said that it is silent
+    /// stays so until it says otherwise: it may be telling an old sample again.
     pub fn push(&mut self, sample: &GazeSample) -> Pushed {
         let mut entry = Entry::of(sample, self.settings.min_confidence);
+        // Behind closing lids a tracker may go on telling a gaze, of what is left of the pupil.
+        let least = self.settings.classifier.closed_openness;
+        entry.valid &= entry.openness.is_none_or(|openness| openness >= least);
         let before = self.history.newest().copied();
         // The time is judged before anything learns from the sample.
         let pushed = self.history.push(entry);

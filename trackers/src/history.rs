@@ -21,13 +21,13 @@ const PROOFS_OF_STEP: u32 = 16;
 pub struct Entry {
     /// When the eye was like this, host clock, ns.
     pub time_ns: i64,
-    /// Gaze as told, of length 1, view space; zero where `valid` is false.
+    /// Gaze as told, of length 1, view space; zero where none was told that could be used.
     pub direction: DVec3,
     /// The same after the filters, view space; equal to `direction` until a filter was applied.
     pub smoothed: DVec3,
     /// Turns a direction of view space into world space, where the source knows the head's pose.
     pub world_from_view: Option<DQuat>,
-    /// There is a direction that can be used.
+    /// There is a direction, and it can be used.
     pub valid: bool,
     /// Only one eye went into the direction.
     pub one_eye: bool,
@@ -124,10 +124,11 @@ pub struct History {
 }
 
 impl History {
-    /// An empty history of `capacity` entries (at least 1). Nothing allocates after this.
+    /// An empty history of `capacity` entries, brought within 1 to 65 536 (16 s at 4 kHz). Nothing allocates
+    /// after this.
     #[must_use]
     pub fn new(capacity: usize) -> Self {
-        Self { entries: Ring::new(capacity), ignored: None }
+        Self { entries: Ring::new(capacity.min(1 << 16)), ignored: None }
     }
 
     /// Adds an entry.

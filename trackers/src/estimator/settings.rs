@@ -107,7 +107,7 @@ impl Default for RadiusSettings {
 /// All settings of an [`super::Estimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatorSettings {
-    /// Samples kept: 1024 are a second at 1 kHz. At least 1.
+    /// Samples kept: 1024 are a second at 1 kHz. 1 to 65 536.
     pub capacity: usize,
     /// Samples whose told confidence is below this (0 to 1) count as invalid. 0.6 is what Pupil's
     /// documentation calls useful.

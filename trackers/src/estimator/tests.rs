@@ -116,6 +116,19 @@ fn a_blink_is_held_then_widened_then_none() {
 }
 
 #[test]
+fn gaze_told_behind_closed_lids_is_not_believed() {
+    let mut estimator = fixating(EstimatorSettings::default(), 300, 7.0);
+    for time in 300..400 {
+        let mut sample = looking(time * MS, 7.0 + (time - 300) as f64 * 0.1);
+        sample.left.openness = Some(0.05);
+        estimator.push(&sample);
+    }
+    let held = estimator.estimate_at(405 * MS).expect("held");
+    assert_eq!((held.kind, held.eye_state), (EstimateKind::Held, EyeState::Blink));
+    assert!((deg_of(held.direction_view) - 7.0).abs() < 1e-6);
+}
+
+#[test]
 fn a_source_that_stalls_is_stale_until_it_recovers() {
     let mut estimator = fixating(EstimatorSettings::default(), 300, 1.0);
     let radius = |estimator: &Estimator| estimator.estimate_at(310 * MS).expect("known").error_radius_rad;

@@ -76,12 +76,12 @@ pub fn events_of(recording: &Recording, settings: &ClassifierSettings) -> Vec<Ev
     events
 }
 
-/// The hand labels of a recording whose format has them: a column `evt` with 0 undefined (told as
-/// `unknown`), 1 fixation, 2 saccade, 3 post-saccadic oscillation (left out), 4 pursuit, 5 blink. `None`
-/// without such a column.
+/// The labels of a recording that has them, in a column `evt` (by hand) or `evt_truth` (of a synthetic
+/// eye): 0 undefined (told as `unknown`), 1 fixation, 2 saccade, 3 post-saccadic oscillation (left out), 4
+/// pursuit, 5 blink, 6 lost, 7 microsaccade (told as a saccade). `None` without such a column.
 #[must_use]
 pub fn labelled_events(recording: &Recording) -> Option<Vec<EventRow>> {
-    let labels = recording.extra_column("evt")?;
+    let labels = recording.extra_column("evt").or_else(|| recording.extra_column("evt_truth"))?;
     let times = recording.times_ns();
     let mut events = Vec::new();
     let mut start = 0;
@@ -89,9 +89,10 @@ pub fn labelled_events(recording: &Recording) -> Option<Vec<EventRow>> {
         let end = start + run.len();
         let kind = match run.first() {
             Some(1.0) => EyeState::Fixation,
-            Some(2.0) => EyeState::Saccade,
+            Some(2.0 | 7.0) => EyeState::Saccade,
             Some(4.0) => EyeState::Pursuit,
             Some(5.0) => EyeState::Blink,
+            Some(6.0) => EyeState::Lost,
             _ => EyeState::Unknown,
         };
         let gaze = |index: usize| {
@@ -215,6 +216,7 @@ pub fn score_events(found: &[EventRow], labelled: &[EventRow], settings: &MatchS
     pairs.sort_by(|one, other| other.0.total_cmp(&one.0));
     let mut partner_of_found = vec![None; found.len()];
     let mut partner_of_label = vec![None; labelled.len()];
+    // `f` and `l` count through `found` and `labelled`, for whose lengths the partners were made.
     for (_, f, l) in pairs {
         if partner_of_found[f].is_none() && partner_of_label[l].is_none() {
             (partner_of_found[f], partner_of_label[l]) = (Some(l), Some(f));
