@@ -7,13 +7,20 @@
 
 pub mod bids;
 pub mod bridge;
+pub mod classify;
 pub mod error;
 mod estimate;
+pub mod estimator;
+pub mod evaluate;
+pub mod filter;
 pub mod formats;
 pub mod hid;
+pub mod history;
 pub mod latency;
+pub mod predict;
 pub mod recording;
 pub mod replay;
+mod ring;
 pub mod sample;
 pub mod source;
 pub mod stamp;

@@ -97,7 +97,7 @@ mod tests {
             ("jemr2022_vive_pro_eye_accuracy/table1.csv", "each person"),
             ("jemr2022_vive_pro_eye_accuracy/data_validations.csv", "each validation"),
             ("irf_lookAtPoint_EL/db_config.json", "JSON"),
-            ("bids_eyetracking_binocular/task-FreeView_physio.json", "JSON"),
+            ("bids_eyetracking_binocular/task-FreeView_physio.json", "is not beside it"),
             ("bids_eyetracking_binocular/sub-01_task-FreeView_run-01_events.tsv", "BIDS"),
         ] {
             let error = read(&folder.join(file), &ReadOptions::default())

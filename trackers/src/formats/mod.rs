@@ -209,7 +209,7 @@ mod tests {
         };
         assert!(told(b"MATLAB 5.0 MAT-file, Platform: GLNXA64").contains("GazeBase CSV"));
         assert!(told(b"SR_RESEARCH_COMBINED_FILE\0").contains("edf2asc"));
-        assert!(told(b"\0\0").contains("no known format; known are xdf"));
+        assert!(told(b"\0\0").contains("no known format; known are bids"));
         assert!(told(b"").contains("empty"));
         let named = ReadOptions { format: Some("no-such".into()), ..ReadOptions::default() };
         assert!(
