@@ -47,28 +47,50 @@ impl Failure {
     }
 }
 
+/// What to do about an error of the system.
+fn io_hint(source: &io::Error) -> &'static str {
+    match source.kind() {
+        io::ErrorKind::NotFound => "check the path",
+        io::ErrorKind::PermissionDenied => "check who may read and write there",
+        io::ErrorKind::StorageFull => DISK_FULL,
+        // Encoders hand the system's words on, but not its kind of error.
+        _ if source.to_string().contains("No space left on device") => DISK_FULL,
+        _ => "",
+    }
+}
+
+impl Failure {
+    /// An error that already says what to do is left as it is.
+    fn with_hint(message: String, hint: &str) -> Self {
+        if hint.is_empty() || message.contains(';') {
+            return Self::Environment(message);
+        }
+        Self::Environment(format!("{message}; {hint}"))
+    }
+}
+
+impl From<macula_trackers::Error> for Failure {
+    fn from(error: macula_trackers::Error) -> Self {
+        let message = error.to_string();
+        match &error {
+            macula_trackers::Error::Setting(_) => Self::Usage(message),
+            macula_trackers::Error::Io { source, .. } => Self::with_hint(message, io_hint(source)),
+            _ => Self::Environment(message),
+        }
+    }
+}
+
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let message = error.to_string();
         let hint = match &error {
             Error::Setting(_) => return Self::Usage(message),
-            Error::Io { source, .. } => match source.kind() {
-                io::ErrorKind::NotFound => "check the path",
-                io::ErrorKind::PermissionDenied => "check who may read and write there",
-                io::ErrorKind::StorageFull => DISK_FULL,
-                // Encoders hand the system's words on, but not its kind of error.
-                _ if source.to_string().contains("No space left on device") => DISK_FULL,
-                _ => "",
-            },
+            Error::Io { source, .. } => io_hint(source),
             Error::NoDevice(_) => "`macula doctor` shows what was found and what is missing",
             Error::Memory { .. } => "choose a smaller --size, or close what else uses the GPU",
             _ => "",
         };
-        // An error that already says what to do is left as it is.
-        if hint.is_empty() || message.contains(';') {
-            return Self::Environment(message);
-        }
-        Self::Environment(format!("{message}; {hint}"))
+        Self::with_hint(message, hint)
     }
 }
 

@@ -4,6 +4,7 @@ pub mod bench;
 pub mod compare;
 pub mod demo;
 pub mod doctor;
+pub mod gaze;
 pub mod info;
 pub mod map;
 pub mod render;
