@@ -9,6 +9,7 @@ mod options;
 mod output;
 mod page;
 mod progress;
+mod shading;
 
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
