@@ -6,6 +6,7 @@
 //! waits are simulated instead of drawn: the sample's until the renderer takes it, and the picture's
 //! until the refresh.
 
+mod answer;
 mod budget;
 mod figures;
 mod file;
@@ -26,6 +27,7 @@ mod tests;
 mod timeline;
 mod verdict;
 
+pub use answer::EstimatorAnswer;
 pub use budget::{Budget, BudgetPoint, REFERENCES, Reference, StageShare};
 pub use figures::Figures;
 pub use ledger::{FrameRow, Ledger, SampleRow, SampleRows};

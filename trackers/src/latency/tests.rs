@@ -1,5 +1,6 @@
 //! Runs against closed forms.
 
+mod answer;
 mod budget;
 mod eye;
 mod hostile;
