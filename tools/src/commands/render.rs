@@ -3,7 +3,7 @@
 use crate::content::{CameraArgs, Source, load_environment, neutral_light, parse_source};
 use crate::failure::Failure;
 use crate::library;
-use crate::measure::{PassMedian, gpu_times, median, pass_medians};
+use crate::measure::{PassMedian, findings, gpu_times, median, pass_medians};
 use crate::options::{DisplayArgs, HallArgs, gaze_px, parse_pair};
 use crate::output;
 use crate::page::picture::lp_picture;
@@ -311,18 +311,10 @@ fn report<'a>(
         None => "off: the validation layer is not installed",
     };
     let non_finite = frames.iter().filter_map(|frame| frame.non_finite).max();
-    if let Some(count) = non_finite.filter(|count| *count > 0) {
-        warnings.push(format!("{count} values in the frame's buffers are NaN or infinite"));
-    }
     let holes = frames.iter().filter_map(|frame| frame.holes).max();
-    if let Some(count) = holes.filter(|count| *count > 0) {
-        warnings.push(format!("{count} pixels were reached by no sample"));
-    }
+    warnings.extend(findings(non_finite, holes, validation_messages));
     if last.gaze_held {
         warnings.push("the gaze is not finite; the display's centre was taken".into());
-    }
-    if let Some(count) = validation_messages.filter(|count| *count > 0) {
-        warnings.push(format!("the validation layer sent {count} messages; please report them"));
     }
     Report {
         device: device.name(),

@@ -2,10 +2,12 @@
 
 mod info;
 mod input;
+mod model;
 
 use crate::failure::Failure;
 use clap::Subcommand;
-pub use input::GazeFileArgs;
+pub use input::{GazeFileArgs, ReadArgs};
+pub use model::LatencyArgs;
 
 /// The commands about gaze.
 #[derive(Subcommand, Debug)]
