@@ -4,9 +4,13 @@ use macula_tests::cli::{failure, json, run};
 use macula_tests::data::workspace;
 use std::path::Path;
 
-/// Two seconds of a Vive Pro Eye, with head pose.
+/// A second and a half of a Vive Pro Eye.
 fn session() -> String {
-    workspace().join("trackers/tests/data/eyedentify3d/vive_duplicates.csv").to_string_lossy().into_owned()
+    excerpt("vive_duplicates.csv")
+}
+
+fn excerpt(name: &str) -> String {
+    workspace().join("trackers/tests/data/eyedentify3d").join(name).to_string_lossy().into_owned()
 }
 
 fn path(folder: &Path, name: &str) -> String {
@@ -80,7 +84,8 @@ fn a_session_is_rendered_frame_by_frame() {
 #[test]
 fn the_same_session_gives_the_same_frames_and_a_head_turns_the_view() {
     let folder = tempfile::tempdir().unwrap();
-    let session = session();
+    // Of someone who boxes, and so turns the head.
+    let session = excerpt("pico_boxing.csv");
     let frames = |name: &str, more: &[&str]| {
         let output = path(folder.path(), name);
         let mut arguments = vec![
@@ -130,6 +135,7 @@ fn what_cannot_be_replayed_is_told_in_a_line() {
         (vec!["replay", "sdf", "--gaze-file", &session, "--sheet", &sheet, "--latency", "none-such"], 2),
         (vec!["replay", "sdf", "--gaze-file", &session, "--sheet", &sheet, "--frames", "65"], 2),
         (vec!["replay", "sdf", "--gaze-file", &session, "--sheet", "sheet.jpg"], 2),
+        (vec!["replay", "sdf", "--gaze-file", &session, "--sheet", &sheet, "--head"], 2),
         (vec!["replay", "sdf", "--gaze-file", &session, "--sheet", &sheet, "--from", "1e9"], 2),
         (vec!["replay", "sdf", "--gaze-file", &session, "--sheet", &sheet, "--filter", "none"], 2),
         (vec!["replay", "sdf", "--gaze-file", &session, "--sheet", &sheet, "--measured", "x=y.json"], 2),

@@ -119,6 +119,12 @@ struct Report<'a> {
 pub fn run(args: &ReplayArgs, json: bool) -> Result<(), Failure> {
     let settings = args.settings()?;
     let recording = formats::read(&args.gaze_file, &args.read.options())?;
+    if args.head && recording.samples().all(|sample| sample.head.is_none()) {
+        return Err(Failure::usage(format!(
+            "{} holds no head pose; leave --head out",
+            args.gaze_file.display()
+        )));
+    }
     let session = args.latency.session(&recording)?;
     let run = args.latency.run(&recording, &session)?;
     let chosen = args.chosen(&run.frames)?;
