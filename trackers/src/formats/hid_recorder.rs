@@ -101,7 +101,7 @@ fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
     }
     let (mut device, mut number) = (Device::default(), 0);
     let (mut rejects, mut descriptors, mut others) = (Rejects::default(), Rejects::default(), 0);
-    for (line_number, line) in lines(&input.bytes) {
+    for (line_number, line) in lines(input.text()) {
         let place = format_args!("line {line_number}");
         let Some((kind, text)) = line.split_once(':') else { continue };
         let ours = device.layout.is_none() || device.number == number;
