@@ -209,6 +209,13 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<Recording> {
     if input.truncated {
         recording.skip(0, "the compressed file breaks off; what came before was read");
     }
+    let fixed = [neon_native::FORMAT.name, hid_recorder::FORMAT.name].contains(&format.name);
+    if fixed && options.time_unit_s.is_some() {
+        recording
+            .info
+            .notes
+            .push("the format fixes the unit of time, so the one given was not used".to_owned());
+    }
     note_times(&mut recording);
     Ok(recording)
 }
