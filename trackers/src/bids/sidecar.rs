@@ -128,12 +128,18 @@ pub enum Ending {
 /// Writes a file so that at any time either the old or the new content is there, whole.
 pub fn write_whole(path: &Path, content: &[u8]) -> Result<()> {
     let io = |source| Error::io(path, source);
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder_of(path);
     let mut file = temporary(folder).map_err(io)?;
     file.write_all(content).map_err(io)?;
     file.as_file().sync_all().map_err(io)?;
     file.persist(path).map_err(|error| io(error.error))?;
-    Ok(())
+    // The name too, and with it that of a data file which has just been made beside it.
+    File::open(folder).and_then(|folder| folder.sync_all()).map_err(io)
+}
+
+/// The folder that a file lies in.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// A temporary file that gets the usual access rights when it is kept.
