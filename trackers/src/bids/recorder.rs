@@ -167,6 +167,11 @@ impl Recorder {
         }
     }
 
+    /// Adds a sentence to the side-car's notes when the recording ends.
+    pub fn note(&mut self, note: impl Into<String>) {
+        self.info.notes.push(note.into());
+    }
+
     /// Writes what has waited for a second. To be called now and then while no sample comes.
     ///
     /// # Errors
@@ -218,7 +223,7 @@ impl Recorder {
         let filled = if self.ragged { fill_up(&self.data, &self.layout.columns) } else { Ok(()) };
         let span_ns = i128::from(self.last_ns) - i128::from(self.first_ns);
         let rate_hz = (self.rows > 1 && span_ns > 0).then(|| (self.rows - 1) as f64 * 1e9 / span_ns as f64);
-        self.write_sidecar(Ending::Finished { rate_hz })?;
+        self.write_sidecar(Ending::Finished { rate_hz, events: 0 })?;
         flushed.and(filled)?;
         Ok(std::mem::take(&mut self.data))
     }
