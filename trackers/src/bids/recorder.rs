@@ -125,6 +125,18 @@ impl Recorder {
         &self.data
     }
 
+    /// Samples that were given up because the disk was full.
+    #[must_use]
+    pub fn refused(&self) -> u64 {
+        self.refused
+    }
+
+    /// The last try to write failed.
+    #[must_use]
+    pub fn is_failing(&self) -> bool {
+        self.failed.is_some()
+    }
+
     /// Appends a sample.
     ///
     /// # Errors
