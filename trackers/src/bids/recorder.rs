@@ -132,6 +132,18 @@ impl Recorder {
         &self.data
     }
 
+    /// Samples that were given up because the disk was full.
+    #[must_use]
+    pub fn refused(&self) -> u64 {
+        self.refused
+    }
+
+    /// The last try to write failed.
+    #[must_use]
+    pub fn is_failing(&self) -> bool {
+        self.failed.is_some()
+    }
+
     /// Appends a sample.
     ///
     /// # Errors
@@ -175,6 +187,11 @@ impl Recorder {
             Some(skipped) => skipped.rows = skipped.rows.saturating_add(rows),
             None => self.info.skipped.push(Skipped { rows, why: why.to_owned() }),
         }
+    }
+
+    /// Adds a sentence to the side-car's notes when the recording ends.
+    pub fn note(&mut self, note: impl Into<String>) {
+        self.info.notes.push(note.into());
     }
 
     /// Writes what has waited for a second. To be called now and then while no sample comes.
@@ -236,7 +253,7 @@ impl Recorder {
         let filled = if self.ragged { fill_up(&self.data, &self.layout.columns) } else { Ok(()) };
         let span_ns = i128::from(self.last_ns) - i128::from(self.first_ns);
         let rate_hz = (self.rows > 1 && span_ns > 0).then(|| (self.rows - 1) as f64 * 1e9 / span_ns as f64);
-        self.write_sidecar(Ending::Finished { rate_hz })?;
+        self.write_sidecar(Ending::Finished { rate_hz, events: 0 })?;
         flushed.and(filled)?;
         Ok(std::mem::take(&mut self.data))
     }

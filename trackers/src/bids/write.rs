@@ -1,6 +1,7 @@
 //! Whole recordings, and short rows filled up.
 
 use super::columns::Column;
+use super::events;
 use super::layout::Layout;
 use super::names::paths;
 use super::recorder::{beside, ended};
@@ -16,7 +17,8 @@ use std::path::{Path, PathBuf};
 /// Text is compressed in pieces of about this size.
 const PIECE: usize = 256 << 10;
 
-/// Writes a recording; [`crate::bids::paths`] says which files it consists of. A recording of that name
+/// Writes a recording; [`crate::bids::paths`] says which files it consists of, and
+/// [`crate::bids::event_paths`] which hold its events, where it has any. A recording of that name
 /// is replaced, after the new one is on the disk. Returns the data file.
 ///
 /// # Errors
@@ -43,7 +45,7 @@ pub fn write_recording(recording: &Recording, path: &Path) -> Result<PathBuf> {
     }
     encoder.write_all(&text).map_err(io)?;
     let extra: Vec<String> = recording.extra.iter().map(|column| column.name.clone()).collect();
-    let ending = Ending::Finished { rate_hz: recording.rate_hz() };
+    let ending = Ending::Finished { rate_hz: recording.rate_hz(), events: recording.events.len() as u64 };
     let described = written(&recording.info, &layout.columns, &extra, ending);
     let file = ended(encoder).map_err(io)?;
     // At no time do an old and a new file look like a pair; should the side-car fail, the old data returns.
@@ -53,7 +55,8 @@ pub fn write_recording(recording: &Recording, path: &Path) -> Result<PathBuf> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => false,
         Err(error) => return Err(io(error)),
     };
-    let replaced = write_whole(&sidecar, described.as_bytes());
+    let replaced = events::write(&recording.events, &data)
+        .and_then(|()| write_whole(&sidecar, described.as_bytes()));
     if replaced.is_err() && there {
         std::fs::rename(aside.path(), &data).map_err(io)?;
     }

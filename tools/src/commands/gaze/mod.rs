@@ -1,8 +1,16 @@
 //! `macula gaze`: trackers, recordings, synthetic eyes and what latency makes of them.
 
+mod convert;
+mod devices;
 mod info;
 mod input;
 mod model;
+mod monitor;
+mod record;
+mod session;
+mod source;
+mod synth;
+mod target;
 
 use crate::failure::Failure;
 use clap::Subcommand;
@@ -12,7 +20,12 @@ pub use model::LatencyArgs;
 /// The commands about gaze.
 #[derive(Subcommand, Debug)]
 pub enum GazeCommand {
+    Devices(devices::DevicesArgs),
+    Monitor(Box<monitor::MonitorArgs>),
+    Record(Box<record::RecordArgs>),
     Info(info::InfoArgs),
+    Convert(convert::ConvertArgs),
+    Synth(synth::SynthArgs),
 }
 
 /// Runs one.
@@ -21,6 +34,11 @@ pub enum GazeCommand {
 /// As the command.
 pub fn run(command: &GazeCommand, json: bool) -> Result<(), Failure> {
     match command {
+        GazeCommand::Devices(args) => devices::run(args, json),
+        GazeCommand::Monitor(args) => monitor::run(args, json),
+        GazeCommand::Record(args) => record::run(args, json),
         GazeCommand::Info(args) => info::run(args, json),
+        GazeCommand::Convert(args) => convert::run(args, json),
+        GazeCommand::Synth(args) => synth::run(args, json),
     }
 }
