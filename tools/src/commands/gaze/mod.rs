@@ -1,7 +1,11 @@
 //! `macula gaze`: trackers, recordings, synthetic eyes and what latency makes of them.
 
+mod events;
 mod info;
 mod input;
+mod latency;
+mod predict;
+mod prepare;
 
 use crate::failure::Failure;
 use clap::Subcommand;
@@ -11,6 +15,9 @@ pub use input::GazeFileArgs;
 #[derive(Subcommand, Debug)]
 pub enum GazeCommand {
     Info(info::InfoArgs),
+    Events(events::EventsArgs),
+    Predict(predict::PredictArgs),
+    Latency(Box<latency::LatencyArgs>),
 }
 
 /// Runs one.
@@ -20,5 +27,8 @@ pub enum GazeCommand {
 pub fn run(command: &GazeCommand, json: bool) -> Result<(), Failure> {
     match command {
         GazeCommand::Info(args) => info::run(args, json),
+        GazeCommand::Events(args) => events::run(args, json),
+        GazeCommand::Predict(args) => predict::run(args, json),
+        GazeCommand::Latency(args) => latency::run(args, json),
     }
 }
