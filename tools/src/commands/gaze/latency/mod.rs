@@ -85,7 +85,7 @@ fn title(file: &Path, recording: &Recording) -> String {
     if recording.info.device.is_empty() {
         name.into_owned()
     } else {
-        format!("{name} ({})", recording.info.device)
+        format!("{name}, {}", recording.info.device)
     }
 }
 

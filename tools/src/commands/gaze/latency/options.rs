@@ -6,7 +6,9 @@ use crate::failure::Failure;
 use crate::options::parse_within;
 use clap::Args;
 use macula_trackers::estimator::{EstimatorSettings, FilterKind};
-use macula_trackers::latency::{ArrivalTimes, LatencyModel, RunSettings, Stage, measured_ms, preset};
+use macula_trackers::latency::{
+    ArrivalTimes, Delay, LatencyModel, RunSettings, Stage, StageTime, measured_ms, preset,
+};
 use macula_trackers::predict::PredictorKind;
 use std::path::{Path, PathBuf};
 
@@ -87,7 +89,7 @@ pub enum PredictorName {
     Hold,
     /// Straight on
     ConstantVelocity,
-    /// Straight on, for saccades of up to 20 ms
+    /// 20 ms straight on, at most once in 20 ms
     Gate20,
     /// Kalman filter of position and velocity
     Kalman,
@@ -155,11 +157,22 @@ impl LatencyArgs {
             _ => return Err(Failure::usage("give either --preset or --model")),
         };
         model.late_latch |= self.late_latch;
+        if self.estimator().is_some() {
+            let source = "part of the estimator".to_owned();
+            let delay = Delay::Constant { ms: 0.0 };
+            model.set(Stage::FilterDelay, StageTime { delay, source, guess: false })?;
+        }
         let mut given = Vec::new();
         for argument in &self.measured {
             let (stage, path) = parse_measured(argument)?;
             if given.contains(&stage) {
                 return Err(Failure::usage(format!("--measured {} is given twice", stage.name())));
+            }
+            if stage == Stage::FilterDelay && self.estimator().is_some() {
+                return Err(Failure::usage(
+                    "--measured filter_delay and --predictor or --filter contradict each other: the filter is \
+                     part of the estimator",
+                ));
             }
             if self.recorded_arrival && stage < Stage::FilterDelay {
                 return Err(Failure::usage(format!(
@@ -328,6 +341,7 @@ mod tests {
             "--measured nothing=a.json",
             "--measured pacing=a.json",
             "--measured exposure=a.json --recorded-arrival",
+            "--measured filter_delay=a.json --filter none",
         ] {
             assert!(matches!(model(wrong), Some(Err(Failure::Usage(_)))), "{wrong}");
         }
