@@ -54,6 +54,14 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     Ok(image_file::write_atomically(path, |file| file.write_all(bytes))?)
 }
 
+/// As [`write_file`], for what is written piece by piece.
+pub fn write_with(
+    path: &Path,
+    write: impl FnOnce(&mut dyn std::io::Write) -> std::io::Result<()>,
+) -> Result<(), Failure> {
+    Ok(image_file::write_atomically(path, write)?)
+}
+
 /// Pixels per degree that FLIP takes where no display is given: 3840 px on 0.7 m, seen from 0.7 m.
 pub const FLIP_PIXELS_PER_DEGREE: f32 = 67.02;
 

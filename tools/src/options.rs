@@ -39,6 +39,12 @@ pub fn parse_hfov(text: &str) -> Result<f64, String> {
     degrees.ok_or_else(|| "expected degrees, above 0 and below 179".into())
 }
 
+/// A number within bounds.
+pub fn parse_within(text: &str, low: f64, high: f64) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (low..=high).contains(number));
+    number.ok_or_else(|| format!("expected a number from {low} to {high}"))
+}
+
 /// The display that one renders for.
 #[derive(Args, Clone, Debug)]
 pub struct DisplayArgs {

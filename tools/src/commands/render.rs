@@ -268,7 +268,7 @@ fn is_exr(path: &Path) -> Result<bool, Failure> {
 }
 
 /// Says before the rendering, not after it, that a picture has nowhere to go.
-fn check_folder(path: &Path) -> Result<(), Failure> {
+pub fn check_folder(path: &Path) -> Result<(), Failure> {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => Err(Failure::environment(
             format!("{}: the folder does not exist; make it first or write elsewhere", path.display()),

@@ -2,7 +2,7 @@
 //! samples.
 
 use super::names::stem;
-use super::recorder::{beside, replace};
+use super::recorder::{beside, ended};
 use super::sidecar::write_whole;
 use super::text::{time_ns, write_seconds};
 use crate::EyeState;
@@ -65,7 +65,8 @@ pub fn write(events: &[RecordedEvent], data: &Path) -> Result<()> {
         row.extend_from_slice(format!("\t{}\t{eye}\n", event.kind.name()).as_bytes());
         encoder.write_all(&row).map_err(io)?;
     }
-    replace(encoder, &path).map_err(io)
+    ended(encoder).map_err(io)?.persist(&path).map_err(|error| io(error.error))?;
+    Ok(())
 }
 
 fn described() -> String {
@@ -183,7 +184,7 @@ mod tests {
         let packed = |text: &str| {
             let mut encoder = beside(&path).expect("a file");
             encoder.write_all(text.as_bytes()).expect("written");
-            replace(encoder, &path).expect("written");
+            ended(encoder).expect("on the disk").persist(&path).expect("written");
         };
         for (text, left) in [
             ("1.0\t0.5\tsaccade\tboth\n", 1),

@@ -41,3 +41,4 @@ pub use stage::{Delay, MOST_MEASURED, MOST_STAGE_MS, Stage, StageTime};
 pub use summary::{LateLatch, LatencySummary};
 pub use suppression::Suppression;
 pub use timeline::MOST_REFRESHES;
+pub use verdict::{Verdict, verdict};

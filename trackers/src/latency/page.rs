@@ -66,7 +66,7 @@ fn cards(data: &ReportData) -> String {
     let summary = &data.summary;
     let card = |value: String, what: &str| format!("<div><b>{value}</b><span>{what}</span></div>");
     let percent = |share: Option<f64>| {
-        share.map_or("none".into(), |share| format!("{} %", number((share * 1000.0).round() / 10.0)))
+        share.map_or("none".into(), |share| format!("{} %", number((share * 10_000.0).round() / 100.0)))
     };
     card(percent(summary.outside_fraction), "of resting time the gaze lies outside")
         + &card(format!("{:.1} ms", summary.age_ms.p50), "age of the gaze at the light (median)")
@@ -103,7 +103,7 @@ fn stages(data: &ReportData, width: f64) -> String {
     const ROW: f64 = 22.0;
     let stages = &data.summary.budget.stages;
     let total_ms: f64 = stages.iter().map(|stage| stage.mean_ms.max(0.0)).sum();
-    let (left, right) = (128.0, width - 62.0);
+    let (left, right) = (136.0, width - 62.0);
     let height = (stages.len() + 1) as f64 * ROW + 8.0;
     let x = |ms: f64| left + (right - left) * ms / total_ms.max(1e-9);
     let mut svg = format!(
@@ -131,7 +131,7 @@ fn stages(data: &ReportData, width: f64) -> String {
         svg += &bar(3.0, 18.0);
         svg += &bar(y + 6.0, 14.0);
         // Before the bar where there is no room behind it.
-        let (at, anchor) = if to + 70.0 < width { (to + 5.0, "start") } else { (from - 5.0, "end") };
+        let (at, anchor) = if to + 90.0 < width { (to + 5.0, "start") } else { (from - 5.0, "end") };
         _ = write!(
             svg,
             "<text x=\"{:.0}\" y=\"{:.1}\" text-anchor=\"end\">{name}</text>\
@@ -240,8 +240,9 @@ fn overview_error(data: &ReportData, width: f64) -> String {
     let labels = Labels { title: "Largest errors over the whole session", x: "Time, s", y: "Error, deg" };
     let mut plot = Plot::new([width, 210.0], session_times(bins), [0.0, most * 1.1 + 0.1], &labels);
     plot.ranges(bins.iter().filter_map(|bin| Some((bin.time_s, [0.0, bin.error_deg?]))), "low");
-    let counted = bins.iter().filter_map(|bin| Some((bin.time_s, [0.0, bin.counted_error_deg?])));
-    plot.ranges(counted, "miss-range");
+    let counted = || bins.iter().filter_map(|bin| Some((bin.time_s, [0.0, bin.counted_error_deg?])));
+    plot.ranges(counted(), "true-range");
+    plot.ranges(counted().filter(|(_, [_, error_deg])| *error_deg > radius_deg), "miss-range");
     plot.level(radius_deg, "radius", &radius_name(data));
     plot.finish()
 }
@@ -264,8 +265,10 @@ fn age_histogram(data: &ReportData) -> String {
     let age = data.summary.age_ms;
     let labels = Labels { title: "Distribution of the age", x: "Age, ms", y: "Refreshes, %" };
     let mut plot = bars(&data.age_ms, &labels, "ms", f64::INFINITY);
-    plot.mark(age.p50, "now", &format!("half {:.1}", age.p50), 0);
-    plot.mark(age.p95, "p95", &format!("95 % {:.1}", age.p95), 1);
+    plot.marks(vec![
+        (age.p50, "now", format!("half {:.1}", age.p50)),
+        (age.p95, "p95", format!("95 % {:.1}", age.p95)),
+    ]);
     plot.finish()
 }
 
@@ -274,8 +277,10 @@ fn error_histogram(data: &ReportData) -> String {
     let radius_deg = data.summary.budget.radius_deg;
     let labels = Labels { title: "Distribution of the error", x: "Error, deg", y: "Refreshes, %" };
     let mut plot = bars(&data.error_deg, &labels, "deg", radius_deg);
-    plot.mark(error.p95, "p95", &format!("95 % {:.2}", error.p95), 0);
-    plot.mark(radius_deg, "radius", &radius_name(data), 1);
+    plot.marks(vec![
+        (error.p95, "p95", format!("95 % {:.2}", error.p95)),
+        (radius_deg, "radius", radius_name(data)),
+    ]);
     plot.finish()
 }
 
@@ -289,16 +294,15 @@ fn curve(data: &ReportData, width: f64) -> String {
     if let Some(tolerated) = budget.references.iter().find(|reference| !reference.added) {
         let title = format!("{}, {}", tolerated.what, tolerated.source);
         plot.band(tolerated.from_ms, tolerated.to_ms, "ev-tolerated", &title);
-        plot.mark(tolerated.to_ms, "grid", "50–70 ms tolerated (Albert 2017)", 3);
     }
     let points = || budget.curve.iter();
     plot.line(points().map(|point| (point.latency_ms, Some(point.radius_p95_deg))), "low");
     plot.line(points().map(|point| (point.latency_ms, Some(point.radius_deg))), "true");
     plot.level(budget.radius_deg, "radius", &radius_name(data));
-    plot.mark(budget.latency_ms, "now", &format!("now {:.1} ms", budget.latency_ms), 0);
-    if let Some(largest) = budget.largest_latency_ms.filter(|_| !budget.beyond_sweep) {
-        plot.mark(largest, "p95", &format!("at most {largest:.1} ms"), 1);
-    }
+    let mut marks = vec![(budget.latency_ms, "now", format!("now {:.1} ms", budget.latency_ms))];
+    let largest_ms = budget.largest_latency_ms.filter(|_| !budget.beyond_sweep);
+    marks.extend(largest_ms.map(|largest_ms| (largest_ms, "p95", format!("at most {largest_ms:.1} ms"))));
+    plot.marks(marks);
     plot.finish()
 }
 

@@ -2,6 +2,9 @@
 
 use std::fmt::Write;
 
+/// Width of a letter of a name, px: of 12 px type, with some air.
+const LETTER: f64 = 6.8;
+
 /// A plot's area and the ranges of its axes.
 pub(super) struct Plot {
     size: [f64; 2],
@@ -171,19 +174,25 @@ impl Plot {
         );
     }
 
-    /// An upright line at a value with its name beside it, `row` lines below the top.
-    pub(super) fn mark(&mut self, value: f64, class: &str, name: &str, row: u32) {
-        let (x, top, bottom) = (self.x(value), self.top, self.bottom);
-        // On the side where there is room.
-        let (at, anchor) =
-            if x > (self.left + self.right) * 0.5 { (x - 4.0, "end") } else { (x + 4.0, "start") };
-        _ = write!(
-            self.svg,
-            "<path class=\"{class}\" d=\"M{x:.1} {top:.1}V{bottom:.1}\"/>\
-             <text class=\"name\" x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
-            top + 11.0 + 15.0 * f64::from(row),
-            escaped(name)
-        );
+    /// Upright lines at values with their names beside them: class and name. The names of neighbours
+    /// point away from each other, one line below the other.
+    pub(super) fn marks(&mut self, mut marks: Vec<(f64, &str, String)>) {
+        marks.sort_by(|one, other| one.0.total_cmp(&other.0));
+        let (top, bottom) = (self.top, self.bottom);
+        for ((value, class, name), row) in marks.into_iter().zip(0_u32..) {
+            let x = self.x(value);
+            // Letters are about half as wide as high; where there is no room, the name stands on the other side.
+            let width = name.chars().count() as f64 * LETTER + 4.0;
+            let leftwards = if row == 0 { x - width > self.left } else { x + width > self.right };
+            let (at, anchor) = if leftwards { (x - 4.0, "end") } else { (x + 4.0, "start") };
+            _ = write!(
+                self.svg,
+                "<path class=\"{class}\" d=\"M{x:.1} {top:.1}V{bottom:.1}\"/>\
+                 <text class=\"name\" x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
+                top + 11.0 + 15.0 * f64::from(row),
+                escaped(&name)
+            );
+        }
     }
 
     /// A dot.

@@ -188,14 +188,18 @@ fn bins(frames: &[Frame], seconds: impl Fn(i64) -> f64) -> Vec<Bin> {
         *range = Some([low.min(value), high.max(value)]);
     };
     let raise = |most: &mut Option<f64>, value: f64| *most = Some(most.map_or(value, |most| most.max(value)));
+    let mut before: Option<[f64; 2]> = None;
     for frame in frames {
         let number = ((seconds(frame.display_ns) - from_s) / width_s) as usize;
         let Some(bin) = bins.get_mut(number.min(BINS - 1)) else { continue };
-        if let Some(truth) = frame.truth {
-            let [azimuth, elevation] = azimuth_elevation_deg(truth);
+        let now = frame.truth.map(azimuth_elevation_deg);
+        // From where the eye was before, so that a jump between two bins has no gap.
+        let from = before.filter(|_| now.is_some());
+        for [azimuth, elevation] in from.into_iter().chain(now) {
             widen(&mut bin.azimuth_deg, azimuth);
             widen(&mut bin.elevation_deg, elevation);
         }
+        before = now;
         if let Some(error) = frame.error_deg {
             raise(&mut bin.error_deg, error);
             if frame.counted {

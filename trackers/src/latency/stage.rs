@@ -11,7 +11,7 @@ pub const MOST_STAGE_MS: f64 = 1000.0;
 pub const MOST_MEASURED: usize = 1_000_000;
 
 /// A stage, in the order in which a sample goes through them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
     /// The eye camera's exposure. A sample's time is its middle, so half of it adds to the age.

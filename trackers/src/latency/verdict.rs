@@ -1,17 +1,22 @@
 //! Does foveation work with this latency? In words.
 
 use super::summary::LatencySummary;
+use serde::Serialize;
 
 /// The conclusion.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Verdict {
-    /// `good`, `bad` or `open`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verdict {
+    /// `good` where the target is kept, `bad` where it is not, `open` where the session cannot tell.
     pub class: &'static str,
+    /// In one line.
     pub headline: String,
+    /// Why, and what to do.
     pub sentences: Vec<String>,
 }
 
-pub(super) fn verdict(summary: &LatencySummary) -> Verdict {
+/// The conclusion from the figures of a run, as its page has it.
+#[must_use]
+pub fn verdict(summary: &LatencySummary) -> Verdict {
     let budget = &summary.budget;
     let radius_deg = budget.radius_deg;
     let Some(outside) = summary.outside_fraction else {

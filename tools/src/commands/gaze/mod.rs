@@ -11,6 +11,12 @@ mod session;
 mod source;
 mod synth;
 mod target;
+mod events;
+mod info;
+mod input;
+mod latency;
+mod predict;
+mod prepare;
 
 use crate::failure::Failure;
 use clap::Subcommand;
@@ -26,6 +32,9 @@ pub enum GazeCommand {
     Info(info::InfoArgs),
     Convert(convert::ConvertArgs),
     Synth(synth::SynthArgs),
+    Events(events::EventsArgs),
+    Predict(predict::PredictArgs),
+    Latency(Box<latency::LatencyArgs>),
 }
 
 /// Runs one.
@@ -40,5 +49,8 @@ pub fn run(command: &GazeCommand, json: bool) -> Result<(), Failure> {
         GazeCommand::Info(args) => info::run(args, json),
         GazeCommand::Convert(args) => convert::run(args, json),
         GazeCommand::Synth(args) => synth::run(args, json),
+        GazeCommand::Events(args) => events::run(args, json),
+        GazeCommand::Predict(args) => predict::run(args, json),
+        GazeCommand::Latency(args) => latency::run(args, json),
     }
 }
