@@ -137,7 +137,6 @@ fn what_cannot_be_replayed_is_told_in_a_line() {
         (vec!["replay", "sdf", "--gaze-file", &session, "--sheet", "sheet.jpg"], 2),
         (vec!["replay", "sdf", "--gaze-file", &session, "--sheet", &sheet, "--head"], 2),
         (vec!["replay", "sdf", "--gaze-file", &session, "--sheet", &sheet, "--from", "1e9"], 2),
-        (vec!["replay", "sdf", "--gaze-file", &session, "--sheet", &sheet, "--filter", "none"], 2),
         (vec!["replay", "sdf", "--gaze-file", &session, "--sheet", &sheet, "--measured", "x=y.json"], 2),
         (
             vec![

@@ -55,8 +55,8 @@ pub fn write_recording(recording: &Recording, path: &Path) -> Result<PathBuf> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => false,
         Err(error) => return Err(io(error)),
     };
-    let replaced = events::write(&recording.events, &data)
-        .and_then(|()| write_whole(&sidecar, described.as_bytes()));
+    let replaced =
+        events::write(&recording.events, &data).and_then(|()| write_whole(&sidecar, described.as_bytes()));
     if replaced.is_err() && there {
         std::fs::rename(aside.path(), &data).map_err(io)?;
     }

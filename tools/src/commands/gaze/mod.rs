@@ -2,26 +2,25 @@
 
 mod convert;
 mod devices;
+mod events;
 mod info;
 mod input;
+mod latency;
 mod model;
 mod monitor;
+mod predict;
+mod prepare;
 mod record;
 mod session;
 mod source;
 mod synth;
 mod target;
-mod events;
-mod info;
-mod input;
-mod latency;
-mod predict;
-mod prepare;
 
 use crate::failure::Failure;
 use clap::Subcommand;
 pub use input::{GazeFileArgs, ReadArgs};
-pub use model::LatencyArgs;
+pub use model::RunArgs;
+pub use prepare::{eye_intervals, with_directions};
 
 /// The commands about gaze.
 #[derive(Subcommand, Debug)]

@@ -3,7 +3,7 @@
 mod frames;
 mod sheet;
 
-use crate::commands::gaze::{LatencyArgs, ReadArgs};
+use crate::commands::gaze::{ReadArgs, RunArgs, eye_intervals, with_directions};
 use crate::content::{CameraArgs, Source, load_environment, neutral_light, parse_source};
 use crate::failure::Failure;
 use crate::library;
@@ -17,7 +17,7 @@ use frames::{Job, RenderedFrame};
 use macula::headless::GpuContent;
 use macula::settings::RenderSettings;
 use macula_trackers::formats;
-use macula_trackers::latency::{Figures, Frame, LatencyRun, SessionGaze};
+use macula_trackers::latency::{Figures, Frame, LatencyModel, SessionGaze, preset};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -45,8 +45,12 @@ pub struct ReplayArgs {
     gaze_file: PathBuf,
     #[command(flatten, next_help_heading = "Session")]
     read: ReadArgs,
+    /// Latency model: the name of a preset or a .toml file; `macula gaze latency --list-presets` lists
+    /// the presets
+    #[arg(long, value_name = "PRESET|FILE.toml", default_value = "generic-90hz", help_heading = "Latency")]
+    latency: String,
     #[command(flatten, next_help_heading = "Latency")]
-    latency: LatencyArgs,
+    run: RunArgs,
     /// Folder for the frames, made if it is missing: a .png for each, named by its refresh
     #[arg(short, long, value_name = "FOLDER", help_heading = "Output")]
     output: Option<PathBuf>,
@@ -92,7 +96,8 @@ struct Report<'a> {
     size: [u32; 2],
     method: &'static str,
     model: &'a str,
-    predictor: &'static str,
+    /// Where the renderer takes the gaze to be.
+    answer: String,
     /// Of the whole session, as are the next two.
     refreshes: usize,
     age_ms: Figures,
@@ -118,21 +123,22 @@ struct Report<'a> {
 /// Everything that can go wrong between the command line and the last frame's file.
 pub fn run(args: &ReplayArgs, json: bool) -> Result<(), Failure> {
     let settings = args.settings()?;
-    let recording = formats::read(&args.gaze_file, &args.read.options())?;
+    let model = args.model()?;
+    let recording = with_directions(formats::read(&args.gaze_file, &args.read.options())?)?;
     if args.head && recording.samples().all(|sample| sample.head.is_none()) {
         return Err(Failure::usage(format!(
             "{} holds no head pose; leave --head out",
             args.gaze_file.display()
         )));
     }
-    let session = args.latency.session(&recording)?;
-    let run = args.latency.run(&recording, &session)?;
+    let session = SessionGaze::new(&recording)?.with_intervals(&eye_intervals(&recording).0);
+    let run = args.run.through(&model, &session, args.run.answer(&recording).as_mut())?;
     let chosen = args.chosen(&run.frames)?;
     if let Some(folder) = &args.output {
         std::fs::create_dir_all(folder).map_err(|error| Failure::from(macula::Error::io(folder, error)))?;
     }
     if let Some(path) = &args.ledger {
-        write_ledger(path, &run, &session)?;
+        library::write_with(path, |file| run.ledger(&session).write_frames_csv(file))?;
     }
     let mut warnings = Vec::new();
     let subject = args.scene.open(&args.hall, 0.0)?;
@@ -171,7 +177,7 @@ pub fn run(args: &ReplayArgs, json: bool) -> Result<(), Failure> {
         size: settings.display.size_px,
         method: args.shading.name(),
         model: &run.model.name,
-        predictor: args.latency.predictor_name(),
+        answer: args.run.answer_words(),
         refreshes: run.frames.len(),
         age_ms: run.age_ms(),
         error_deg: run.error_deg(),
@@ -213,6 +219,12 @@ impl ReplayArgs {
         Ok(settings)
     }
 
+    fn model(&self) -> Result<LatencyModel, Failure> {
+        let path = Path::new(&self.latency);
+        let is_file = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+        self.run.changed(if is_file { LatencyModel::open(path)? } else { preset(&self.latency)? })
+    }
+
     /// The frames to render.
     fn chosen<'a>(&self, frames: &'a [Frame]) -> Result<Vec<&'a Frame>, Failure> {
         let first_ns = frames.first().map_or(0, |frame| frame.display_ns);
@@ -228,13 +240,6 @@ impl ReplayArgs {
         let every = self.every.map_or(left.len().div_ceil(wanted).max(1), |every| every as usize);
         Ok(left.into_iter().step_by(every).take(wanted).collect())
     }
-}
-
-fn write_ledger(path: &Path, run: &LatencyRun, session: &SessionGaze) -> Result<(), Failure> {
-    let ledger = run.ledger(session);
-    let mut bytes = Vec::new();
-    ledger.write_frames_csv(&mut bytes).map_err(|error| Failure::from(macula::Error::io(path, error)))?;
-    library::write_file(path, &bytes)
 }
 
 fn print_text(args: &ReplayArgs, report: &Report<'_>) -> Result<(), Failure> {
