@@ -228,6 +228,8 @@ fn wrong_arguments_are_one_line() {
     std::fs::write(&broken, "\0\0\0").unwrap();
     let there = place.path("there.tsv.gz");
     std::fs::write(&there, "mine").unwrap();
+    // Where not even the superuser may make a file.
+    let unwritable = "/proc/macula";
     let nowhere = place.path("no/such/folder/x");
     let good = example("eyedentify3d/vive_blink.csv");
     let before = place.names();
@@ -248,13 +250,16 @@ fn wrong_arguments_are_one_line() {
         (1, vec!["record", "--replay", &broken, "-o", &out], "broken.csv"),
         (1, vec!["record", "--replay", &good, "-o", &there], "there.tsv.gz"),
         (1, vec!["record", "--replay", &good, "-o", &nowhere], "no/such/folder"),
+        (1, vec!["synth", "-o", unwritable, "--seconds", "1"], unwritable),
+        (1, vec!["convert", &good, unwritable], unwritable),
+        (1, vec!["record", "--replay", &good, "-o", unwritable], unwritable),
         (2, vec!["record", "--replay", &good, "-o", &out, "--speed", "0"], "speed 0"),
         (2, vec!["record", "--synth", "asleep", "-o", &out], "asleep"),
         (2, vec!["record", "--synth", "reading", "--fast", "-o", &out], "--seconds"),
         (2, vec!["record", "--bridge", "udp:0", "--fast", "--seconds", "1", "-o", &out], "--fast"),
         (2, vec!["record", "--synth", "reading", "--replay", &good, "-o", &out], "--replay"),
         (2, vec!["monitor", "--bridge", "tcp:5"], "udp:PORT"),
-        (2, vec!["monitor", "--seconds", "-1", "--synth", "reading"], "seconds"),
+        (2, vec!["monitor", "--seconds", "1e9", "--synth", "reading"], "at most"),
         (1, vec!["monitor", "--bridge", &format!("unix:{there}")], "there.tsv.gz"),
     ] {
         let arguments = [&["gaze"][..], &arguments].concat();
