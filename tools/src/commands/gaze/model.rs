@@ -42,7 +42,7 @@ pub struct RunArgs {
     recorded_arrival: bool,
     /// Seed of everything that the model draws
     #[arg(long, value_name = "N", default_value = "1")]
-    pub seed: u64,
+    pub latency_seed: u64,
 }
 
 /// Predictors by name.
@@ -192,8 +192,8 @@ impl RunArgs {
         answer: Option<&mut EstimatorAnswer<'_>>,
     ) -> Result<LatencyRun, Failure> {
         Ok(match answer {
-            Some(answer) => run_with(session, model, &self.settings(), self.seed, answer)?,
-            None => run(session, model, &self.settings(), self.seed)?,
+            Some(answer) => run_with(session, model, &self.settings(), self.latency_seed, answer)?,
+            None => run(session, model, &self.settings(), self.latency_seed)?,
         })
     }
 }

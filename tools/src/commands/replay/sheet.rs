@@ -115,7 +115,8 @@ mod tests {
     use super::*;
 
     fn grey(verdict: Verdict, used: Option<DVec2>, truth: Option<DVec2>) -> Tile {
-        Tile::new([64, 32], vec![128; 64 * 32 * 4], verdict, used, truth).expect("a tile")
+        let opaque = [128, 128, 128, 255].repeat(64 * 32);
+        Tile::new([64, 32], opaque, verdict, used, truth).expect("a tile")
     }
 
     #[test]

@@ -72,7 +72,7 @@ fn report(args: &LatencyArgs, mut summary: LatencySummary, events_from: EventsFr
     let answer = args.run.answer_words();
     summary.notes.insert(0, format!("The renderer takes {answer}."));
     summary.notes.insert(1, format!("What the eye did comes from {}.", events_from.words()));
-    Report { events_from, answer, seed: args.run.seed, conclusion: verdict(&summary), summary }
+    Report { events_from, answer, seed: args.run.latency_seed, conclusion: verdict(&summary), summary }
 }
 
 /// What the page is about: the file's name and the device that wrote it.
