@@ -94,7 +94,7 @@ fn stage<'a>(report: &'a Value, name: &str) -> &'a Value {
 fn behind_a_pursuit_the_error_is_velocity_times_age() {
     let place = Place::new();
     let (file, model) = (place.pursuit(), place.model());
-    let held = latency(&[&file, "--model", &model, "--radius", "0.5"]);
+    let held = latency(&[&file, "--model", &model, "--radius-deg", "0.5"]);
     close(&held["age_ms"]["p50"], AGE_MS, 1e-6);
     close(&held["error_deg"]["p50"], PURSUIT_DEG_S * AGE_MS * 1e-3, 1e-6);
     assert_eq!(held["events_from"], "labels");
@@ -106,8 +106,8 @@ fn behind_a_pursuit_the_error_is_velocity_times_age() {
     close(&stage(&held, "pacing")["mean_ms"], 2.0 * 10.0 - 4.0 - 5.0, 1e-9);
     assert_eq!(held["conclusion"]["class"], "bad");
     // The same twice, and a radius that is large enough.
-    assert_eq!(latency(&[&file, "--model", &model, "--radius", "0.5"]), held);
-    let wide = latency(&[&file, "--model", &model, "--radius", "0.75"]);
+    assert_eq!(latency(&[&file, "--model", &model, "--radius-deg", "0.5"]), held);
+    let wide = latency(&[&file, "--model", &model, "--radius-deg", "0.75"]);
     assert_eq!((&wide["outside_fraction"], &wide["conclusion"]["class"]), (&0.0.into(), &"good".into()));
 }
 
@@ -280,8 +280,15 @@ fn real_recordings_have_events_predictions_and_latency() {
             let [half, most, all] = ["p50", "p95", "max"].map(|level| number(&figures[level]));
             assert!(0.0 <= half && half <= most && most <= all, "{name}: {figures}");
         }
-        assert!((0.0..=1.0).contains(&number(&report["outside_fraction"])), "{name}");
-        assert!(report["budget"]["curve"].as_array().is_some_and(|curve| !curve.is_empty()), "{name}");
+        let curve = report["budget"]["curve"].as_array().unwrap();
+        // The only eye that is seen jumps by degrees from sample to sample: it never rests.
+        if name == "vive_duplicates.csv" {
+            assert!(report["outside_fraction"].is_null() && report["frames_counted"] == 0, "{name}");
+            assert_eq!((&report["conclusion"]["class"], curve.len()), (&"open".into(), 0), "{name}");
+        } else {
+            assert!((0.0..=1.0).contains(&number(&report["outside_fraction"])), "{name}");
+            assert!(!curve.is_empty(), "{name}");
+        }
     }
 }
 

@@ -48,7 +48,7 @@ pub struct LatencyArgs {
     pub list_presets: bool,
     /// Radius of full quality around the gaze, degrees
     #[arg(long, value_name = "R", default_value = "5", value_parser = |text: &str| parse_within(text, 0.0, 180.0))]
-    pub radius: f64,
+    pub radius_deg: f64,
     /// Share of the time, 0 to 1, in which the true gaze may lie outside the radius
     #[arg(long, value_name = "P", default_value = "0.02", value_parser = |text: &str| parse_within(text, 0.0, 1.0))]
     pub target: f64,
@@ -139,7 +139,7 @@ impl LatencyArgs {
     /// What the run is asked.
     pub fn settings(&self) -> RunSettings {
         RunSettings {
-            radius_deg: self.radius,
+            radius_deg: self.radius_deg,
             target_outside: self.target,
             arrival: if self.recorded_arrival { ArrivalTimes::Recorded } else { ArrivalTimes::Model },
             ..RunSettings::default()
@@ -307,7 +307,7 @@ mod tests {
             "a.csv --preset fove-0 --model a.toml",
             "a.csv --preset fove-0 --list-presets",
             "a.csv --preset fove-0 --target 1.5",
-            "a.csv --preset fove-0 --radius nan",
+            "a.csv --preset fove-0 --radius-deg nan",
             "a.csv --preset fove-0 --predictor crystal-ball",
         ] {
             assert!(args(wrong).is_none(), "{wrong}");
