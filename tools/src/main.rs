@@ -9,6 +9,7 @@ mod options;
 mod output;
 mod page;
 mod progress;
+mod shading;
 
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
@@ -48,6 +49,7 @@ enum Command {
     #[command(subcommand)]
     Bench(commands::bench::BenchCommand),
     Map(commands::map::MapArgs),
+    Replay(Box<commands::replay::ReplayArgs>),
     /// Eye trackers, recorded gaze, synthetic eyes and the latency budget
     #[command(subcommand)]
     Gaze(commands::gaze::GazeCommand),
@@ -63,6 +65,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Render(args) => commands::render::run(args, cli.json),
         Command::Bench(command) => commands::bench::run(command, cli.json),
         Command::Map(args) => commands::map::run(args, cli.json),
+        Command::Replay(args) => commands::replay::run(args, cli.json),
         Command::Gaze(command) => commands::gaze::run(command, cli.json),
         Command::Demo(args) => commands::demo::run(args, cli.json),
     }

@@ -153,6 +153,19 @@ pub fn time_of(passes: &[PassMedian], name: &str) -> Result<f64, Failure> {
     })
 }
 
+/// What checking has found that must not be there, in words.
+pub fn findings(non_finite: Option<u64>, holes: Option<u64>, messages: Option<u64>) -> Vec<String> {
+    let more_than_none = |count: Option<u64>| count.filter(|count| *count > 0);
+    let told = [
+        more_than_none(non_finite)
+            .map(|count| format!("{count} values in the frame's buffers are NaN or infinite")),
+        more_than_none(holes).map(|count| format!("{count} pixels were reached by no sample")),
+        more_than_none(messages)
+            .map(|count| format!("the validation layer sent {count} messages; please report them")),
+    ];
+    told.into_iter().flatten().collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

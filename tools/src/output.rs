@@ -27,6 +27,22 @@ pub fn print_json(document: &impl Serialize) -> Result<(), Failure> {
     print(&format!("{text}\n"))
 }
 
+/// Writes one JSON document to stdout, on a line of its own.
+///
+/// # Errors
+/// As [`print`].
+pub fn print_json_line(document: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string(document)
+        .map_err(|error| Failure::environment(format!("the result cannot be written as JSON: {error}")))?;
+    print(&format!("{text}\n"))
+}
+
+/// Names and values, a line each; those without a value are left out.
+pub fn fields(rows: &[(&str, String)]) -> String {
+    let told = rows.iter().filter(|(_, value)| !value.is_empty());
+    told.map(|(name, value)| format!("{name:<10} {value}\n")).collect()
+}
+
 /// A note on stderr; a closed stderr is of no interest.
 pub fn note(text: &str) {
     _ = writeln!(io::stderr().lock(), "{text}");

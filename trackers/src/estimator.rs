@@ -19,6 +19,9 @@ use radius::Doubt;
 /// The head's rate is measured over this, ns: long enough that the jitter of a pose (0.02 deg) stays below
 /// 1 deg/s.
 const HEAD_WINDOW_NS: i64 = 20_000_000;
+/// A time within this of a sample, ns, is that of the sample: at 500 deg/s the eye moves by 0.25 deg in it.
+/// At most half of the step between samples.
+const SAME_TIME_NS: i64 = 500_000;
 
 /// Makes estimates of samples.
 ///
@@ -93,6 +96,8 @@ impl Estimator {
         // Behind closing lids a tracker may go on telling a gaze, of what is left of the pupil.
         let least = self.settings.classifier.closed_openness;
         entry.valid &= entry.openness.is_none_or(|openness| openness >= least);
+        let awaited = self.awaits_both_eyes(&entry);
+        entry.valid &= !awaited;
         let before = self.history.newest().copied();
         // The time is judged before anything learns from the sample.
         let pushed = self.history.push(entry);
@@ -104,11 +109,20 @@ impl Estimator {
         if let Some(before) = before.filter(|_| pushed == Pushed::Kept) {
             self.learn_step(entry.time_ns.saturating_sub(before.time_ns));
         }
-        self.last_event = self.classifier.push(&entry).or(self.last_event);
+        if !awaited {
+            self.last_event = self.classifier.push(&entry).or(self.last_event);
+        }
         if entry.valid {
             self.take_valid(&mut entry);
         }
         pushed
+    }
+
+    /// Both eyes were seen so shortly before that one alone does not yet stand in for them.
+    fn awaits_both_eyes(&self, entry: &Entry) -> bool {
+        let since = |last: &Entry| entry.time_ns.saturating_sub(last.time_ns);
+        let both = self.last.as_ref().filter(|(last, _)| !last.one_eye);
+        entry.one_eye && both.is_some_and(|(last, _)| since(last) <= self.settings.loss.one_eye_after_ns)
     }
 
     fn take_valid(&mut self, entry: &mut Entry) {
@@ -203,6 +217,10 @@ impl Estimator {
         }
     }
 
+    fn same_time_ns(&self) -> i64 {
+        (self.step_ns / 2).min(SAME_TIME_NS)
+    }
+
     fn head_motion(&self, time_ns: i64, world_from_view: DQuat) -> HeadMotion {
         let earlier = self.history.around(time_ns.saturating_sub(HEAD_WINDOW_NS)).0;
         let rate = earlier.and_then(|earlier| {
@@ -220,11 +238,12 @@ impl Estimator {
         let (before, after) = self.history.around(time_ns);
         let before = before.filter(|entry| entry.valid);
         let after = after.filter(|entry| entry.valid);
-        let near = |entry: &Entry| time_ns.saturating_sub(entry.time_ns).saturating_abs() <= self.step_ns / 2;
+        let same_ns = self.same_time_ns();
+        let near = |entry: &Entry| time_ns.saturating_sub(entry.time_ns).saturating_abs() <= same_ns;
         let nearest = [before, after].into_iter().flatten().filter(|entry| near(entry));
         let nearest = nearest.min_by_key(|entry| time_ns.saturating_sub(entry.time_ns).saturating_abs());
         if let Some(entry) = nearest {
-            return Some(self.answer(entry, entry.smoothed, time_ns, EstimateKind::Measured));
+            return Some(self.answer(entry, entry.smoothed, time_ns, EstimateKind::Measured, 0.0));
         }
         if let Some((before, after)) = before.zip(after).filter(|(before, after)| {
             before.comparable(after)
@@ -233,13 +252,13 @@ impl Estimator {
             let gap = after.time_ns.saturating_sub(before.time_ns) as f64;
             let share = time_ns.saturating_sub(before.time_ns) as f64 / gap;
             let direction = between(before.smoothed, after.smoothed, share);
-            let mut answer = self.answer(before, direction, time_ns, EstimateKind::Interpolated);
+            let mut answer = self.answer(before, direction, time_ns, EstimateKind::Interpolated, 0.0);
             answer.age_ns = time_ns.saturating_sub(after.time_ns);
             return Some(answer);
         }
         // A gap, or a time before the history: the last valid sample before it, or else the first after.
         let entry = self.history.valid_near(time_ns).unwrap_or(last);
-        Some(self.answer(entry, entry.smoothed, time_ns, EstimateKind::Held))
+        Some(self.answer(entry, entry.smoothed, time_ns, EstimateKind::Held, 0.0))
     }
 
     /// After the newest valid sample.
@@ -255,7 +274,7 @@ impl Estimator {
         let quiet_ns = time_ns.saturating_sub(newest_ns.max(last.time_ns));
         let kind = if self.silent || quiet_ns > loss.stale_after_ns {
             EstimateKind::Stale
-        } else if age_ns <= self.step_ns / 2 {
+        } else if age_ns <= self.same_time_ns() {
             EstimateKind::Measured
         } else if unseen_ns > loss.bridge_ns || age_ns > self.settings.max_horizon_ns {
             EstimateKind::Held
@@ -263,12 +282,15 @@ impl Estimator {
             EstimateKind::Predicted
         };
         let predicted = if kind == EstimateKind::Predicted { self.predicted(phase, time_ns) } else { None };
-        let direction = match (predicted, self.head) {
-            (Some(gaze), Some(head)) => head.at(time_ns).inverse() * gaze,
-            (Some(gaze), None) => gaze,
-            (None, _) => last.smoothed,
-        };
-        Some(self.answer(last, direction, time_ns, kind))
+        // After a jump of the clock there is nothing yet to predict from.
+        let unpredicted = kind == EstimateKind::Predicted && predicted.is_none();
+        let kind = if unpredicted { EstimateKind::Held } else { kind };
+        let in_view = |gaze: DVec3| self.head.map_or(gaze, |head| head.at(time_ns).inverse() * gaze);
+        let direction = predicted.map_or(last.smoothed, in_view);
+        // On its way to the landing point, or held while it moves on, the eye is not where the answer is.
+        let likely = self.predictor.predict(time_ns).map(in_view);
+        let away_rad = likely.map_or(0.0, |likely| likely.angle_between(direction));
+        Some(self.answer(last, direction, time_ns, kind, away_rad))
     }
 
     /// Gaze ahead, in the space of the predictor.
@@ -278,7 +300,14 @@ impl Estimator {
         landing.map(|landing| landing.gaze).or_else(|| self.predictor.predict(time_ns))
     }
 
-    fn answer(&self, from: &Entry, direction: DVec3, time_ns: i64, kind: EstimateKind) -> GazeEstimate {
+    fn answer(
+        &self,
+        from: &Entry,
+        direction: DVec3,
+        time_ns: i64,
+        kind: EstimateKind,
+        away_rad: f64,
+    ) -> GazeEstimate {
         let age_ns = time_ns.saturating_sub(from.time_ns);
         let newest = self.last.as_ref().filter(|(last, _)| last.time_ns == from.time_ns);
         let phase = self.classifier.phase();
@@ -292,6 +321,7 @@ impl Estimator {
             measured: newest.map_or(phase, |(_, phase)| *phase),
             now: phase.state,
             landing_deg: newest.and(self.landing).map_or(0.0, |landing| landing.error_deg),
+            away_deg: away_rad.to_degrees(),
         };
         let error_radius_rad = doubt.radius_deg(&self.settings.radius, &self.settings.loss).to_radians();
         GazeEstimate { direction_view: direction, error_radius_rad, kind, age_ns, eye_state }
@@ -309,5 +339,7 @@ fn between(from: DVec3, to: DVec3, share: f64) -> DVec3 {
     direction.try_normalize().unwrap_or(to)
 }
 
+#[cfg(test)]
+mod calibration;
 #[cfg(test)]
 mod tests;

@@ -41,12 +41,18 @@ fn recordings(folder: &Path) -> Vec<PathBuf> {
             && !name.ends_with(".toml")
             && !name.ends_with(".md")
             && name != "LICENSE"
+            && !is_bids_side_car(&path)
         {
             found.push(path);
         }
     }
     found.sort();
     found
+}
+
+/// It is read with the data beside it.
+fn is_bids_side_car(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "json") && path.with_extension("tsv.gz").exists()
 }
 
 fn is_broken(path: &Path) -> bool {

@@ -2,8 +2,9 @@
 //! no panic, and memory stays within a multiple of the file's size. The same as the fuzz target
 //! `formats`, bounded.
 
+use glam::DVec2;
 use macula_trackers::formats::{self, FORMATS, Input, ReadOptions};
-use macula_trackers::recording::Recording;
+use macula_trackers::recording::{Recording, Screen};
 use proptest::prelude::*;
 use proptest::sample::Index;
 use std::fs;
@@ -150,6 +151,7 @@ fn mutate(bytes: &mut Vec<u8>, edits: &[(Index, Edit)]) {
 
 /// What holds for everything that was read from so many bytes.
 fn check(recording: &Recording, bytes: usize) {
+    assert!(!recording.is_empty(), "a recording without samples is an error");
     assert!(recording.len() <= bytes, "{} samples of {bytes} bytes", recording.len());
     assert!(recording.extra.iter().all(|column| column.values.len() == recording.len()));
     let extra: usize = recording.extra.iter().map(|column| column.values.len()).sum();
@@ -161,12 +163,12 @@ fn check(recording: &Recording, bytes: usize) {
     assert!(recording.duration_s() >= 0.0 && recording.rate_hz().is_none_or(|rate| rate > 0.0));
 }
 
-/// As an unknown file, and as each format by name.
-fn read_all(bytes: &[u8]) {
+/// As an unknown file, and as each format by name; with a display or without.
+fn read_all(bytes: &[u8], screen: Option<Screen>) {
     let Ok(input) = Input::of_bytes(Path::new("mutated"), bytes.to_vec()) else { return };
     let named = FORMATS.iter().map(|format| Some(format.name.to_owned()));
     for format in named.chain([None]) {
-        let options = ReadOptions { format, ..ReadOptions::default() };
+        let options = ReadOptions { format, screen, ..ReadOptions::default() };
         match formats::read_input(&input, &options) {
             Ok(recording) => check(&recording, input.bytes.len()),
             Err(error) => assert!(!error.to_string().contains('\n'), "an error is one line: {error}"),
@@ -184,7 +186,7 @@ fn peak_resident_kb() -> Option<u64> {
 #[test]
 fn seeds_are_readable() {
     for seed in SEEDS.iter() {
-        read_all(seed);
+        read_all(seed, None);
     }
     for seed in [GLASSES.as_bytes(), EYELINK.as_bytes(), ARFF.as_bytes(), HID.as_bytes(), &xdf(), &npy()] {
         let input = Input::of_bytes(Path::new("seed"), seed.to_vec()).expect("not compressed");
@@ -197,10 +199,16 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 2048, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn mutated_files_give_an_error_or_a_recording(seed in any::<Index>(), edits in edits()) {
+    fn mutated_files_give_an_error_or_a_recording(
+        seed in any::<Index>(),
+        edits in edits(),
+        has_screen in any::<bool>(),
+    ) {
+        let size_px = DVec2::new(1600.0, 1200.0);
+        let screen = has_screen.then_some(Screen { size_px, size_m: DVec2::ONE, distance_m: 1.0 });
         let mut bytes = seed.get(&SEEDS).clone();
         mutate(&mut bytes, &edits);
-        read_all(&bytes);
+        read_all(&bytes, screen);
         prop_assert!(peak_resident_kb().is_none_or(|peak| peak < MAX_RESIDENT_KB));
     }
 }

@@ -8,4 +8,5 @@ pub mod gaze;
 pub mod info;
 pub mod map;
 pub mod render;
+pub mod replay;
 pub mod scene;

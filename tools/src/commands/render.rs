@@ -3,26 +3,19 @@
 use crate::content::{CameraArgs, Source, load_environment, neutral_light, parse_source};
 use crate::failure::Failure;
 use crate::library;
-use crate::measure::{PassMedian, gpu_times, median, pass_medians};
-use crate::options::{DisplayArgs, HallArgs, KernelArgs, gaze_px, parse_pair};
+use crate::measure::{PassMedian, findings, gpu_times, median, pass_medians};
+use crate::options::{DisplayArgs, HallArgs, gaze_px, parse_pair};
 use crate::output;
 use crate::page::picture::lp_picture;
 use crate::progress::Steps;
+use crate::shading::{MethodName, ShadingArgs, without_meaning};
 use clap::{Args, ValueEnum};
 use glam::DVec2;
 use macula::headless::{FrameInput, GpuContent, HeadlessDevice, OffscreenRenderer};
-use macula::settings::{KfrSettings, Method, RenderSettings, ToneMap, View};
+use macula::settings::{RenderSettings, ToneMap, View};
 use macula::stats::{Effects, FrameStats, LpStats};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MethodName {
-    /// Shade every pixel: the reference
-    Full,
-    /// Kernel foveated rendering
-    Kfr,
-}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ViewName {
@@ -68,20 +61,8 @@ pub struct RenderArgs {
     /// Gaze as fractions of the display, from the left and from the top; off the display is allowed
     #[arg(long, value_name = "X,Y", default_value = "0.5,0.5", value_parser = parse_pair, allow_hyphen_values = true)]
     gaze: DVec2,
-    /// How the picture is shaded
-    #[arg(long, value_enum, default_value = "kfr")]
-    method: MethodName,
-    /// Display width over LP-buffer width, 1 to 64; 1 to 4 is useful [default: 1.8]
-    #[arg(long, value_name = "S", allow_hyphen_values = true, help_heading = "Foveation")]
-    sigma: Option<f64>,
-    #[command(flatten, next_help_heading = "Foveation")]
-    kernel: KernelArgs,
-    /// Leave out the LP-buffer's Gaussian in the periphery
-    #[arg(long, help_heading = "Foveation")]
-    no_lp_filter: bool,
-    /// Gaussian on the display that grows with the distance from the gaze
-    #[arg(long, help_heading = "Foveation")]
-    post_filter: bool,
+    #[command(flatten)]
+    shading: ShadingArgs,
     /// Write the LP-buffer too: a .png or .exr file
     #[arg(long, value_name = "FILE", help_heading = "Foveation")]
     lp_out: Option<PathBuf>,
@@ -193,16 +174,7 @@ pub fn run(args: &RenderArgs, json: bool) -> Result<(), Failure> {
 impl RenderArgs {
     fn settings(&self) -> Result<RenderSettings, Failure> {
         self.check_combinations()?;
-        let method = match self.method {
-            MethodName::Full => Method::Full,
-            MethodName::Kfr => Method::Kfr(KfrSettings {
-                sigma: self.sigma.unwrap_or(KfrSettings::default().sigma),
-                kernel: self.kernel.kernel()?,
-                lp_filter: !self.no_lp_filter,
-                post_filter: self.post_filter,
-            }),
-        };
-        let mut settings = RenderSettings::new(self.display.geometry(), method);
+        let mut settings = RenderSettings::new(self.display.geometry(), self.shading.method()?);
         settings.tone_map = match self.tone_map {
             Some(ToneMapName::None) => ToneMap::None,
             Some(ToneMapName::Aces) | None => ToneMap::Aces,
@@ -252,21 +224,9 @@ impl RenderArgs {
     }
 
     fn check_method(&self) -> Result<(), Failure> {
-        if self.method == MethodName::Kfr {
-            return Ok(());
-        }
-        let of_kfr = [
-            (self.sigma.is_some(), "--sigma"),
-            (self.kernel.given().is_some(), self.kernel.given().unwrap_or_default()),
-            (self.no_lp_filter, "--no-lp-filter"),
-            (self.post_filter, "--post-filter"),
-            (self.lp_out.is_some(), "--lp-out"),
-            (self.view == ViewName::Grid, "--view grid"),
-        ];
-        match of_kfr.iter().find(|(given, _)| *given) {
-            Some((_, name)) => Err(Failure::usage(format!(
-                "{name} has no meaning with --method full; leave it out or use --method kfr"
-            ))),
+        let of_kfr = [(self.lp_out.is_some(), "--lp-out"), (self.view == ViewName::Grid, "--view grid")];
+        match of_kfr.iter().find(|(given, _)| *given && self.shading.method == MethodName::Full) {
+            Some((_, name)) => Err(without_meaning(name)),
             None => Ok(()),
         }
     }
@@ -351,27 +311,16 @@ fn report<'a>(
         None => "off: the validation layer is not installed",
     };
     let non_finite = frames.iter().filter_map(|frame| frame.non_finite).max();
-    if let Some(count) = non_finite.filter(|count| *count > 0) {
-        warnings.push(format!("{count} values in the frame's buffers are NaN or infinite"));
-    }
     let holes = frames.iter().filter_map(|frame| frame.holes).max();
-    if let Some(count) = holes.filter(|count| *count > 0) {
-        warnings.push(format!("{count} pixels were reached by no sample"));
-    }
+    warnings.extend(findings(non_finite, holes, validation_messages));
     if last.gaze_held {
         warnings.push("the gaze is not finite; the display's centre was taken".into());
-    }
-    if let Some(count) = validation_messages.filter(|count| *count > 0) {
-        warnings.push(format!("the validation layer sent {count} messages; please report them"));
     }
     Report {
         device: device.name(),
         driver: device.driver(),
         size: args.display.size,
-        method: match args.method {
-            MethodName::Full => "full",
-            MethodName::Kfr => "kfr",
-        },
+        method: args.shading.name(),
         passes: pass_medians(frames),
         gpu_ms: median(&gpu_times(frames)).unwrap_or(last.gpu_ms),
         samples_shaded: last.samples_shaded,
@@ -423,6 +372,7 @@ mod tests {
     use super::*;
     use clap::Parser;
     use macula::fovea::Kernel;
+    use macula::settings::Method;
 
     #[derive(Parser)]
     struct Only {

@@ -40,15 +40,6 @@ impl Layout {
         self.columns.len() > before
     }
 
-    /// Takes back what was added from the `first` column on.
-    pub fn forget_from(&mut self, first: usize) {
-        for column in self.columns.drain(first.min(self.columns.len())..) {
-            if let Column::Value(index) = column {
-                self.has[index] = false;
-            }
-        }
-    }
-
     /// Appends a row. `extra(index)` is the value of an extra column.
     pub fn write_row(&self, text: &mut Vec<u8>, sample: &GazeSample, extra: impl Fn(usize) -> f64) {
         let values = values_of(sample);

@@ -31,6 +31,10 @@
 //! their own names. Numbers are the shortest text that reads back to the same bits; `n/a` is no value.
 //! The side-car's `MaculaRecording` holds what BIDS has no name for.
 //!
+//! **Events** that the recording's own software found lie beside it in `..._physioevents.tsv.gz` and its
+//! side-car: `onset` and `duration` (s), `trial_type` (fixation, saccade, pursuit, blink, lost, unknown) and
+//! `eye` (both, left, right).
+//!
 //! **A crash or a full disk.** [`Recorder`] ends a gzip member and has it written to the disk once a
 //! second (a gzip file may consist of many members), and the side-car is there before the first row. So
 //! an unfinished file lacks at most its last second and reads as any other. A column that is needed only
@@ -38,6 +42,7 @@
 //! finishing fills them up.
 
 mod columns;
+mod events;
 mod layout;
 mod names;
 mod plan;
@@ -48,6 +53,7 @@ mod sidecar;
 mod text;
 mod write;
 
+pub use events::paths as event_paths;
 pub use names::paths;
 pub(crate) use reader::{is_recording, read_input, read_path};
 pub use recorder::Recorder;

@@ -1,5 +1,6 @@
 //! Which two files a recording consists of, and which side-cars apply to it.
 
+use super::sidecar::folder_of;
 use std::path::{Path, PathBuf};
 
 /// Folders above a data set's file in which side-cars may lie: session, subject, root and one to spare.
@@ -32,7 +33,7 @@ pub fn sidecars(data: &Path, suffix: &str) -> Vec<PathBuf> {
     let name = data.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let stem = stem(&name).unwrap_or(&name);
     let entities: Vec<&str> = stem.split('_').collect();
-    let folder = data.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder_of(data);
     let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
     let root =
         folder.ancestors().take(LEVELS).position(|folder| folder.join("dataset_description.json").exists());

@@ -1,6 +1,7 @@
 //! Reads BIDS eye-tracking: as a stream, so that only the samples take memory, and unpacked on a thread
 //! of its own.
 
+use super::events;
 use super::names::stem;
 use super::plan::Plan;
 use super::rows::Rows;
@@ -159,6 +160,9 @@ fn finish(path: &Path, sidecar: &Sidecar, plan: Plan, mut rows: Rows, end: End) 
     skip(u64::from(complaints.cut), "the last row is cut".into());
     if end == End::BrokenOff {
         recording.skip(0, BROKEN_OFF);
+    }
+    if let Some(own) = sidecar.own.as_ref().filter(|own| own.events > 0) {
+        events::read(&mut recording, path, own.events);
     }
     let unfinished = sidecar.own.as_ref().is_some_and(|own| !own.finished);
     if unfinished {

@@ -2,7 +2,7 @@
 
 use super::layout::Layout;
 use super::names::paths;
-use super::sidecar::{Ending, temporary, write_whole, written};
+use super::sidecar::{Ending, folder_of, temporary, write_whole, written};
 use super::write::fill_up;
 use crate::error::{Error, Result};
 use crate::recording::{RecordingInfo, Skipped};
@@ -54,6 +54,8 @@ pub struct Recorder {
     info: RecordingInfo,
     extra: Vec<String>,
     layout: Layout,
+    /// The side-car does not name all columns of the rows that wait.
+    unnamed: bool,
     /// Rows with fewer fields than the last were written.
     ragged: bool,
     waiting: Vec<u8>,
@@ -87,7 +89,11 @@ impl Recorder {
             _ => Error::io(&data, error),
         })?;
         let recorder = Self::on(Box::new(file), data, sidecar, info, extra);
-        recorder.write_sidecar(Ending::Unfinished)?;
+        if let Err(error) = recorder.write_sidecar(Ending::Unfinished) {
+            // An empty file would be in the way of the next attempt.
+            let _ = std::fs::remove_file(&recorder.data);
+            return Err(error);
+        }
         Ok(recorder)
     }
 
@@ -106,6 +112,7 @@ impl Recorder {
             info: info.clone(),
             extra: extra.to_vec(),
             layout: Layout::new(extra.len()),
+            unnamed: false,
             ragged: false,
             waiting: Vec::new(),
             waiting_rows: 0,
@@ -123,6 +130,18 @@ impl Recorder {
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.data
+    }
+
+    /// Samples that were given up because the disk was full.
+    #[must_use]
+    pub fn refused(&self) -> u64 {
+        self.refused
+    }
+
+    /// The last try to write failed.
+    #[must_use]
+    pub fn is_failing(&self) -> bool {
+        self.failed.is_some()
     }
 
     /// Appends a sample.
@@ -147,7 +166,10 @@ impl Recorder {
                 return Err(Error::io(&self.data, kind.into()));
             }
         }
-        self.add_columns(sample)?;
+        if self.layout.add(sample) {
+            self.unnamed = true;
+            self.ragged |= self.rows + self.waiting_rows > 0;
+        }
         let value = |index: usize| extra.get(index).copied().unwrap_or(f64::NAN);
         self.layout.write_row(&mut self.waiting, sample, value);
         self.first_ns = self.first_ns.min(sample.time_ns);
@@ -165,6 +187,11 @@ impl Recorder {
             Some(skipped) => skipped.rows = skipped.rows.saturating_add(rows),
             None => self.info.skipped.push(Skipped { rows, why: why.to_owned() }),
         }
+    }
+
+    /// Adds a sentence to the side-car's notes when the recording ends.
+    pub fn note(&mut self, note: impl Into<String>) {
+        self.info.notes.push(note.into());
     }
 
     /// Writes what has waited for a second. To be called now and then while no sample comes.
@@ -187,6 +214,11 @@ impl Recorder {
             return Ok(());
         }
         self.waiting_since_ns = host_now_ns();
+        if self.unnamed {
+            // Before the rows that need it.
+            self.write_sidecar(Ending::Unfinished).inspect_err(|error| self.failed = Some(kind_of(error)))?;
+            self.unnamed = false;
+        }
         let member = compressed(&self.waiting).map_err(|error| Error::io(&self.data, error))?;
         if let Err(error) = self.sink.append(&member) {
             // Half a member would end the file for all that is appended later. If even this fails, a
@@ -211,14 +243,17 @@ impl Recorder {
         let flushed = self.flush();
         let lost = self.refused + self.waiting_rows;
         if lost > 0 {
-            self.skip(lost, "the disk was full");
+            match self.failed {
+                None | Some(io::ErrorKind::StorageFull) => self.skip(lost, "the disk was full"),
+                Some(kind) => self.skip(lost, &format!("could not be written: {kind}")),
+            }
         }
         // What could not be written is not tried again when this is dropped.
         self.waiting.clear();
         let filled = if self.ragged { fill_up(&self.data, &self.layout.columns) } else { Ok(()) };
         let span_ns = i128::from(self.last_ns) - i128::from(self.first_ns);
         let rate_hz = (self.rows > 1 && span_ns > 0).then(|| (self.rows - 1) as f64 * 1e9 / span_ns as f64);
-        self.write_sidecar(Ending::Finished { rate_hz })?;
+        self.write_sidecar(Ending::Finished { rate_hz, events: 0 })?;
         flushed.and(filled)?;
         Ok(std::mem::take(&mut self.data))
     }
@@ -226,21 +261,6 @@ impl Recorder {
     fn write_sidecar(&self, ending: Ending) -> Result<()> {
         let text = written(&self.info, &self.layout.columns, &self.extra, ending);
         write_whole(&self.sidecar, text.as_bytes())
-    }
-
-    /// Names columns in the side-car that this sample is the first to need.
-    fn add_columns(&mut self, sample: &GazeSample) -> Result<()> {
-        let before = self.layout.columns.len();
-        if !self.layout.add(sample) {
-            return Ok(());
-        }
-        if let Err(error) = self.write_sidecar(Ending::Unfinished) {
-            self.layout.forget_from(before);
-            self.refused += 1;
-            return Err(error);
-        }
-        self.ragged |= self.rows + self.waiting_rows > 0;
-        Ok(())
     }
 }
 
@@ -251,6 +271,10 @@ impl Drop for Recorder {
     }
 }
 
+fn kind_of(error: &Error) -> io::ErrorKind {
+    if let Error::Io { source, .. } = error { source.kind() } else { io::ErrorKind::Other }
+}
+
 /// One gzip member.
 fn compressed(text: &[u8]) -> io::Result<Vec<u8>> {
     let mut encoder = GzEncoder::new(Vec::with_capacity(text.len() / 2), LEVEL);
@@ -258,19 +282,16 @@ fn compressed(text: &[u8]) -> io::Result<Vec<u8>> {
     encoder.finish()
 }
 
-/// A temporary file beside `path`, compressed; [`replace`] puts it there.
+/// A temporary file beside `path`, compressed; [`ended`] has it on the disk.
 pub(super) fn beside(path: &Path) -> io::Result<GzEncoder<io::BufWriter<tempfile::NamedTempFile>>> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    Ok(GzEncoder::new(io::BufWriter::new(temporary(folder)?), LEVEL))
+    Ok(GzEncoder::new(io::BufWriter::new(temporary(folder_of(path))?), LEVEL))
 }
 
-/// Ends what [`beside`] began, has it on the disk, and puts it in the place of `path`.
-pub(super) fn replace(
+/// Ends what [`beside`] began: on the disk, and ready to take its place.
+pub(super) fn ended(
     encoder: GzEncoder<io::BufWriter<tempfile::NamedTempFile>>,
-    path: &Path,
-) -> io::Result<()> {
+) -> io::Result<tempfile::NamedTempFile> {
     let file = encoder.finish()?.into_inner().map_err(io::IntoInnerError::into_error)?;
     file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
+    Ok(file)
 }

@@ -2,8 +2,9 @@
 
 use super::text;
 
-/// The most samples of one recording: 37 hours at 1 kHz.
-const MAX_ROWS: usize = 1 << 27;
+/// The most values of one recording, whether told or missing: 8 GiB of them, as much as the text of any
+/// format. That is 7 hours of 1 kHz with all columns, or 50 with six.
+const MAX_VALUES: usize = 1 << 30;
 /// The most bytes of one row.
 const MAX_ROW: usize = 1 << 20;
 /// One unit of our own times is 10^9 ns: a second.
@@ -56,6 +57,9 @@ pub struct Rows {
     /// For each of the fields; empty for times.
     pub numbers: Vec<Vec<f64>>,
     pub complaints: Complaints,
+    /// How many values may still be kept: rows that lack most of their fields must not cost the memory of
+    /// whole ones without end.
+    room: usize,
     /// A row that has begun in the piece before.
     carried: Vec<u8>,
     row: Vec<f64>,
@@ -73,6 +77,7 @@ impl Rows {
             device_ns: Vec::new(),
             numbers: vec![Vec::new(); fields.len()],
             complaints: Complaints::default(),
+            room: MAX_VALUES,
             carried: Vec::new(),
             row: vec![f64::NAN; fields.len()],
             number: 0,
@@ -204,10 +209,12 @@ impl Rows {
                 return;
             }
         };
-        if self.time_ns.len() >= MAX_ROWS {
+        // At least the time.
+        let Some(room) = self.room.checked_sub(self.fields.len().max(1)) else {
             self.complaints.too_many = true;
             return;
-        }
+        };
+        self.room = room;
         self.complaints.short += u64::from(count < self.least);
         self.complaints.long += u64::from(over && count == self.fields.len());
         self.time_ns.push(time_ns);
@@ -244,4 +251,20 @@ fn ends(rest: &[u8], at: usize) -> bool {
 
 fn field_end(rest: &[u8]) -> usize {
     rest.iter().position(|byte| matches!(byte, b'\t' | b'\n')).unwrap_or(rest.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_rows_cost_as_much_as_whole_ones() {
+        let mut rows = Rows::new(vec![Field::Number; 100], 1);
+        rows.room = 1099;
+        rows.feed(&b"1\n".repeat(10));
+        assert!(!rows.complaints.too_many);
+        rows.feed(b"1\n");
+        assert!(rows.complaints.too_many);
+        assert_eq!((rows.time_ns.len(), rows.numbers[99].len()), (10, 10));
+    }
 }

@@ -31,6 +31,8 @@ pub struct Own {
     pub extra: Vec<(String, String)>,
     pub skipped: Vec<OwnSkipped>,
     pub notes: Vec<String>,
+    /// How many events lie beside it.
+    pub events: u64,
     /// The format this was converted from.
     pub source_format: String,
 }
@@ -61,6 +63,10 @@ fn coordinate_system(space: Space) -> &'static str {
 
 /// The text of the side-car of our recording.
 pub fn written(info: &RecordingInfo, columns: &[Column], extra: &[String], ending: Ending) -> String {
+    let (finished, measured, events) = match ending {
+        Ending::Unfinished => (false, None, 0),
+        Ending::Finished { rate_hz, events } => (true, rate_hz, events),
+    };
     let names = names(columns, extra);
     let extra = columns.iter().zip(&names).filter_map(|(column, name)| match column {
         Column::Extra(index) => Some((name.clone(), extra.get(*index)?.clone())),
@@ -68,7 +74,7 @@ pub fn written(info: &RecordingInfo, columns: &[Column], extra: &[String], endin
     });
     let own = Own {
         version: 1,
-        finished: matches!(ending, Ending::Finished { .. }),
+        finished,
         space: info.space.name().to_owned(),
         device: info.device.clone(),
         device_clock: info.device_clock.clone(),
@@ -81,9 +87,9 @@ pub fn written(info: &RecordingInfo, columns: &[Column], extra: &[String], endin
             .map(|skipped| OwnSkipped { rows: skipped.rows, why: skipped.why.clone() })
             .collect(),
         notes: info.notes.clone(),
+        events,
         source_format: info.format.to_owned(),
     };
-    let measured = if let Ending::Finished { rate_hz } = ending { rate_hz } else { None };
     let rate = own.nominal_rate_hz.or(measured.filter(|rate| rate.is_finite()));
     let mut keys = Map::new();
     let mut set = |key: &str, value: Value| keys.insert(key.to_owned(), value);
@@ -122,18 +128,26 @@ pub enum Ending {
     Finished {
         /// As measured over the recording.
         rate_hz: Option<f64>,
+        /// How many events lie beside it.
+        events: u64,
     },
 }
 
 /// Writes a file so that at any time either the old or the new content is there, whole.
 pub fn write_whole(path: &Path, content: &[u8]) -> Result<()> {
     let io = |source| Error::io(path, source);
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder_of(path);
     let mut file = temporary(folder).map_err(io)?;
     file.write_all(content).map_err(io)?;
     file.as_file().sync_all().map_err(io)?;
     file.persist(path).map_err(|error| io(error.error))?;
-    Ok(())
+    // The name too, and with it that of a data file which has just been made beside it.
+    File::open(folder).and_then(|folder| folder.sync_all()).map_err(io)
+}
+
+/// The folder that a file lies in.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// A temporary file that gets the usual access rights when it is kept.

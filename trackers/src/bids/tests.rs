@@ -1,5 +1,7 @@
 //! Recordings there and back, cut off anywhere, on a full disk, and made by others.
 
+mod killed;
+
 use super::recorder::Sink;
 use super::*;
 use crate::error::Error;
@@ -118,7 +120,42 @@ proptest! {
             for (read, sample) in read.samples().zip(&samples) {
                 prop_assert_eq!(bits(&read), bits(sample));
             }
-            prop_assert!(read.info.skipped.is_empty() && read.info.notes.is_empty());
+            prop_assert!(read.info.skipped.is_empty() && read.info.notes.iter().all(|note| note.contains("before them")));
+        }
+    }
+
+    /// Our own pair with some bytes changed, which may be the names of columns or what they mean.
+    #[test]
+    fn no_damage_panics(
+        of_sidecar in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..4),
+        of_rows in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..8),
+        digits: bool,
+    ) {
+        let folder = folder();
+        let mut recording = Recording::new(RecordingInfo::default());
+        for number in 0..5 {
+            recording.push(&GazeSample { received_ns: number, ..sample(number) });
+        }
+        let written = write_recording(&recording, &folder.path().join("me_physio")).expect("written");
+        let sidecar = written.with_file_name("me_physio.json");
+        let data = written.with_file_name("me_physio.tsv");
+        let mut text = Vec::new();
+        let file = std::fs::File::open(&written).expect("the file");
+        io::Read::read_to_end(&mut flate2::read::MultiGzDecoder::new(file), &mut text).expect("text");
+        let mut json = std::fs::read(&sidecar).expect("the side-car");
+        for (bytes, edits) in [(&mut json, of_sidecar), (&mut text, of_rows)] {
+            for (at, byte) in edits {
+                // Digits mostly leave it whole and change what it says.
+                let byte = if digits { b'0' + byte % 10 } else { byte };
+                let at = at.index(bytes.len());
+                bytes[at] = byte;
+            }
+        }
+        std::fs::write(&data, &text).expect("a file");
+        std::fs::write(&sidecar, &json).expect("a file");
+        match read(&data, &ReadOptions::default()) {
+            Ok(recording) => prop_assert!(recording.len() <= text.len()),
+            Err(error) => prop_assert!(!error.to_string().contains('\n'), "{}", error),
         }
     }
 
@@ -362,6 +399,44 @@ fn a_disk_that_stays_full_takes_no_endless_memory() {
     assert!(recorder.finish().is_err());
     let sidecar = std::fs::read_to_string(sidecar).expect("the side-car");
     assert!(sidecar.contains("the disk was full") && sidecar.contains("\"Rows\": 200000"), "{sidecar}");
+}
+
+#[test]
+fn a_side_car_that_cannot_be_written_costs_no_sample() {
+    let folder = folder();
+    let later = folder.path().join("later");
+    let (data, sidecar) = paths(&later.join("me"));
+    let disk = Disk { bytes: Arc::default(), room: Arc::new(Mutex::new(usize::MAX)) };
+    let info = RecordingInfo::default();
+    // The folder is not there, so that the side-car cannot be written.
+    let mut recorder = Recorder::on(Box::new(disk.clone()), data.clone(), sidecar, &info, &[]);
+    for number in 0..5 {
+        recorder.push(&sample(number)).expect("waits");
+    }
+    let message = recorder.flush().expect_err("no side-car").to_string();
+    assert!(message.contains("me_recording-eye3_physio.json") && !message.contains('\n'), "{message}");
+    assert!(disk.bytes.lock().expect("unpoisoned").is_empty(), "no rows without their names");
+    std::fs::create_dir(&later).expect("a folder");
+    recorder.flush().expect("written");
+    std::fs::write(&data, &*disk.bytes.lock().expect("unpoisoned")).expect("a file");
+    assert_eq!(samples_of(&load(&data)), (0..5).map(sample).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_recording_that_cannot_be_replaced_stays() {
+    let folder = folder();
+    let mut recording = Recording::new(RecordingInfo::default());
+    recording.push(&sample(1));
+    let data = write_recording(&recording, &folder.path().join("me")).expect("written");
+    let before = std::fs::read(&data).expect("the data");
+    // A side-car that no file can replace.
+    let sidecar = paths(&data).1;
+    std::fs::remove_file(&sidecar).expect("removed");
+    std::fs::create_dir(&sidecar).expect("a folder");
+    recording.push(&sample(2));
+    write_recording(&recording, &data).expect_err("a folder in its place");
+    assert!(std::fs::read(&data).is_ok_and(|after| after == before));
+    assert_eq!(folder.path().read_dir().expect("a folder").count(), 2, "nothing else is left");
 }
 
 /// Writes a pair of files and reads it.

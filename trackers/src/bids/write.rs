@@ -1,10 +1,11 @@
 //! Whole recordings, and short rows filled up.
 
 use super::columns::Column;
+use super::events;
 use super::layout::Layout;
 use super::names::paths;
-use super::recorder::{beside, replace};
-use super::sidecar::{Ending, write_whole, written};
+use super::recorder::{beside, ended};
+use super::sidecar::{Ending, folder_of, temporary, write_whole, written};
 use super::text::NONE;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
@@ -16,7 +17,8 @@ use std::path::{Path, PathBuf};
 /// Text is compressed in pieces of about this size.
 const PIECE: usize = 256 << 10;
 
-/// Writes a recording; [`crate::bids::paths`] says which files it consists of. A recording of that name
+/// Writes a recording; [`crate::bids::paths`] says which files it consists of, and
+/// [`crate::bids::event_paths`] which hold its events, where it has any. A recording of that name
 /// is replaced, after the new one is on the disk. Returns the data file.
 ///
 /// # Errors
@@ -43,15 +45,23 @@ pub fn write_recording(recording: &Recording, path: &Path) -> Result<PathBuf> {
     }
     encoder.write_all(&text).map_err(io)?;
     let extra: Vec<String> = recording.extra.iter().map(|column| column.name.clone()).collect();
-    let ending = Ending::Finished { rate_hz: recording.rate_hz() };
+    let ending = Ending::Finished { rate_hz: recording.rate_hz(), events: recording.events.len() as u64 };
     let described = written(&recording.info, &layout.columns, &extra, ending);
-    // At no time do an old and a new file look like a pair.
-    match std::fs::remove_file(&data) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(io(error)),
-        _ => {}
+    let file = ended(encoder).map_err(io)?;
+    // At no time do an old and a new file look like a pair; should the side-car fail, the old data returns.
+    let aside = temporary(folder_of(&data)).map_err(io)?;
+    let there = match std::fs::rename(&data, aside.path()) {
+        Ok(()) => true,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => false,
+        Err(error) => return Err(io(error)),
+    };
+    let replaced =
+        events::write(&recording.events, &data).and_then(|()| write_whole(&sidecar, described.as_bytes()));
+    if replaced.is_err() && there {
+        std::fs::rename(aside.path(), &data).map_err(io)?;
     }
-    write_whole(&sidecar, described.as_bytes())?;
-    replace(encoder, &data).map_err(io)?;
+    replaced?;
+    file.persist(&data).map_err(|error| io(error.error))?;
     Ok(data)
 }
 
@@ -70,7 +80,8 @@ pub(super) fn fill_up(data: &Path, columns: &[Column]) -> Result<()> {
             encoder.write_all(&row)?;
             row.clear();
         }
-        replace(encoder, data)
+        ended(encoder)?.persist(data)?;
+        Ok(())
     };
     filled().map_err(|error| Error::io(data, error))
 }

@@ -28,6 +28,15 @@ struct Waiting {
     overflowed: u64,
 }
 
+impl Waiting {
+    /// Samples go first, so that the one who polls learns that a sender, and with it its clock, changed.
+    fn make_room(&mut self) {
+        let oldest = self.items.iter().position(|(_, item)| matches!(item, Item::Sample { .. }));
+        self.overflowed += u64::from(oldest.is_some());
+        self.items.remove(oldest.unwrap_or(0));
+    }
+}
+
 /// A queue of limited length: the oldest samples are given up first.
 #[derive(Debug, Default)]
 pub struct Inbox(Mutex<Waiting>);
@@ -48,10 +57,8 @@ impl Inbox {
             why.clone_from(newest);
             return;
         }
-        if waiting.items.len() >= MAX_WAITING
-            && let Some((_, Item::Sample { .. })) = waiting.items.pop_front()
-        {
-            waiting.overflowed += 1;
+        if waiting.items.len() >= MAX_WAITING {
+            waiting.make_room();
         }
         waiting.items.push_back((at_ns, item));
     }
@@ -92,6 +99,20 @@ mod tests {
             )
             .collect();
         assert_eq!(times, (904..5000).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn who_came_and_went_is_not_given_up_for_samples() {
+        let inbox = Inbox::default();
+        inbox.put(0, Item::Joined);
+        for number in 1..=5000 {
+            inbox.put(number, Item::Sample { sample: GazeSample::at(number), on_host_clock: false });
+        }
+        inbox.put(5001, Item::Left { why: "closed".into() });
+        assert_eq!(inbox.take_overflowed(), 5002 - MAX_WAITING as u64);
+        let items: Vec<Item> = std::iter::from_fn(|| inbox.take(i64::MAX)).collect();
+        assert_eq!((items.len(), items.first()), (MAX_WAITING, Some(&Item::Joined)));
+        assert!(matches!(items.last(), Some(Item::Left { .. })));
     }
 
     #[test]

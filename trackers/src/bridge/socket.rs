@@ -285,3 +285,33 @@ fn serve_udp(socket: &UdpSocket, mut hearing: Hearing<SocketAddr>, stop: &Atomic
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn another_sender_is_heard_once_the_first_has_been_silent() {
+        let inbox = Arc::new(Inbox::default());
+        let mut hearing = Hearing { inbox: Arc::clone(&inbox), heard: None };
+        let mut told = |sender: u32, message: &[u8], received_ns: i64| -> Vec<&'static str> {
+            hearing.message(sender, message, received_ns, TAKEOVER_NS);
+            let kind = |item: Item| match item {
+                Item::Sample { .. } => "sample",
+                Item::Rejected { .. } => "rejected",
+                Item::Joined => "joined",
+                Item::Left { .. } => "left",
+            };
+            std::iter::from_fn(|| inbox.take(i64::MAX)).map(kind).collect()
+        };
+        let good = b"{\"point\": [0.5, 0.5]}";
+        assert_eq!(told(1, b"rubbish", 0), ["rejected"]);
+        assert_eq!(told(1, good, 5), ["joined", "sample"]);
+        assert_eq!(told(2, good, 6), ["rejected"]);
+        // Rubbish keeps nobody's place.
+        assert_eq!(told(1, b"rubbish", 1_000_000_000), ["rejected"]);
+        assert_eq!(told(2, good, 4 + TAKEOVER_NS), ["rejected"]);
+        assert_eq!(told(2, good, 5 + TAKEOVER_NS), ["left", "joined", "sample"]);
+        assert_eq!(told(1, good, 6 + TAKEOVER_NS), ["rejected"]);
+    }
+}

@@ -3,6 +3,7 @@
 use super::settings::{LossPolicy, RadiusSettings};
 use crate::classify::Phase;
 use crate::estimate::EyeState;
+use crate::predict::MAX_HORIZON_NS;
 
 /// What is doubtful about an estimate.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +18,8 @@ pub(super) struct Doubt {
     pub(super) now: EyeState,
     /// Standard deviation of the landing point, deg; 0 where none is told.
     pub(super) landing_deg: f64,
+    /// From the answer to where the eye most likely is at the asked time, deg.
+    pub(super) away_deg: f64,
 }
 
 impl Doubt {
@@ -26,16 +29,18 @@ impl Doubt {
         let factor = if self.one_eye { settings.one_eye_factor.max(1.0) } else { 1.0 };
         let at_sample = settings.accuracy_deg * factor;
         let jitter = self.measured.jitter_deg * factor;
-        let speed = if self.measured.state == EyeState::Saccade {
-            self.measured.velocity.deg_s.length() * settings.timing_s
-        } else {
-            0.0
-        };
         let age_s = self.age_ns.max(0) as f64 * 1e-9;
+        let speed_deg_s = self.measured.velocity.deg_s.length();
+        let moved = match self.measured.state {
+            EyeState::Fixation | EyeState::Pursuit => 0.0,
+            EyeState::Saccade => speed_deg_s * settings.timing_s,
+            // Around a loss no predictor follows the movement.
+            _ => speed_deg_s * (settings.timing_s + age_s.min(MAX_HORIZON_NS as f64 * 1e-9)),
+        };
         // The faster of what the eye did and what it is thought to do.
         let growth = rate(self.measured.state, settings).max(rate(self.now, settings)) * age_s;
         let late_s = self.age_ns.saturating_sub(loss.hold_ns).max(0) as f64 * 1e-9;
-        let parts = [at_sample, jitter, speed, self.landing_deg, growth];
+        let parts = [at_sample, jitter, moved, self.landing_deg, self.away_deg, growth];
         let radius = parts.iter().map(|part| part * part).sum::<f64>().sqrt() + settings.widen_deg_s * late_s;
         if radius.is_finite() { radius.clamp(0.0, settings.cap_deg.max(0.0)) } else { settings.cap_deg }
     }

@@ -49,9 +49,14 @@ fn each_kind_has_its_time() {
     let (last, none) = (190 * MS, LossPolicy::default().none_after_ns);
     for (time_ns, expected) in [
         (100 * MS, Some(Measured)),
-        (104 * MS, Some(Measured)),
+        (100 * MS + 500_000, Some(Measured)),
+        (100 * MS + 500_001, Some(Interpolated)),
+        (104 * MS, Some(Interpolated)),
+        (110 * MS - 500_001, Some(Interpolated)),
+        (110 * MS - 500_000, Some(Measured)),
         (last, Some(Measured)),
-        (last + 4 * MS, Some(Measured)),
+        (last + 500_000, Some(Measured)),
+        (last + 500_001, Some(Predicted)),
         (last + 20 * MS, Some(Predicted)),
         (last + 100 * MS, Some(Predicted)),
         (last + 101 * MS, Some(Held)),
@@ -115,6 +120,62 @@ fn a_blink_is_held_then_widened_then_none() {
     assert!((deg_of(back.direction_view) + 3.0).abs() < 1e-6);
 }
 
+/// Each step of the policy, to the nanosecond.
+#[test]
+fn the_steps_of_a_loss_come_at_their_times() {
+    use EstimateKind::{Held, Predicted};
+    let loss = LossPolicy {
+        bridge_ns: 30 * MS,
+        one_eye_after_ns: 0,
+        hold_ns: 90 * MS,
+        stale_after_ns: 10_000 * MS,
+        none_after_ns: 250 * MS,
+    };
+    let settings = EstimatorSettings { loss, ..EstimatorSettings::default() };
+    let last = 299 * MS;
+    for (unseen_ns, expected) in [(30 * MS, Predicted), (30 * MS + 1, Held)] {
+        let mut estimator = fixating(settings, 300, 7.0);
+        estimator.push(&GazeSample::at(last + unseen_ns));
+        assert_eq!(kind_at(&estimator, last + unseen_ns + MS), Some(expected), "{unseen_ns}");
+    }
+    let estimator = fixating(settings, 300, 7.0);
+    let radius_deg =
+        |after_ns: i64| estimator.estimate_at(last + after_ns).map(|told| told.error_radius_rad.to_degrees());
+    // Until the hold is over the radius is the root of 1 + (10 t)^2; then 30 deg/s come on top.
+    let usual = |seconds: f64| (1.0 + (10.0 * seconds).powi(2)).sqrt();
+    for (after_ms, widened_deg) in [(90, 0.0), (91, 0.03), (190, 3.0), (250, 4.8)] {
+        let expected = usual(f64::from(after_ms) * 1e-3) + widened_deg;
+        let told = radius_deg(i64::from(after_ms) * MS).expect("known");
+        assert!((told - expected).abs() < 0.01, "{after_ms} ms: {told}, not {expected}");
+    }
+    assert_eq!(radius_deg(250 * MS + 1), None);
+}
+
+/// One eye sees 2 deg beside the mean of both. For 40 ms both are awaited, then one stands in.
+#[test]
+fn one_eye_stands_in_after_its_time() {
+    let loss = LossPolicy { one_eye_after_ns: 40 * MS, ..LossPolicy::default() };
+    let mut estimator = fixating(EstimatorSettings { loss, ..EstimatorSettings::default() }, 300, 7.0);
+    let both = estimator.estimate_at(299 * MS).expect("both");
+    for ms in 1..=40 {
+        estimator.push(&one_eyed((299 + ms) * MS, 9.0));
+        let told = estimator.estimate_at((299 + ms) * MS).expect("awaited");
+        assert!((deg_of(told.direction_view) - 7.0).abs() < 1e-6, "{ms} ms");
+        assert_eq!(told.eye_state, EyeState::Fixation);
+    }
+    assert_eq!(kind_at(&estimator, 340 * MS), Some(EstimateKind::Held));
+    estimator.push(&one_eyed(340 * MS, 9.0));
+    let one = estimator.estimate_at(340 * MS).expect("one");
+    assert_eq!((one.kind, one.eye_state), (EstimateKind::Measured, EyeState::Fixation));
+    assert!((deg_of(one.direction_view) - 9.0).abs() < 1e-6);
+    let ratio = one.error_radius_rad / both.error_radius_rad;
+    assert!((ratio - std::f64::consts::SQRT_2).abs() < 0.02, "{ratio}");
+    // Both again are believed at once.
+    estimator.push(&looking(341 * MS, 7.0));
+    let back = estimator.estimate_at(341 * MS).expect("both");
+    assert!((deg_of(back.direction_view) - 7.0).abs() < 1e-6);
+}
+
 #[test]
 fn gaze_told_behind_closed_lids_is_not_believed() {
     let mut estimator = fixating(EstimatorSettings::default(), 300, 7.0);
@@ -170,6 +231,33 @@ fn a_clock_that_jumps_does_not_lose_the_gaze() {
     let estimate = estimator.estimate_at(jump + 2 * MS).expect("kept");
     assert_eq!(estimate.kind, EstimateKind::Held);
     assert!((deg_of(estimate.direction_view) - 5.0).abs() < 1e-6);
+    // Nor does it count as predicted where the policy holds for a moment only.
+    let loss = LossPolicy { hold_ns: 5 * MS, ..LossPolicy::default() };
+    let mut estimator = fixating(EstimatorSettings { loss, ..EstimatorSettings::default() }, 300, 5.0);
+    estimator.push(&GazeSample::at(jump));
+    estimator.push(&GazeSample::at(jump + MS));
+    assert_eq!(kind_at(&estimator, jump + 2 * MS), Some(EstimateKind::Held));
+}
+
+/// The same samples at times since 1970 give the same answers to the last bit as at times since the start.
+#[test]
+fn answers_do_not_depend_on_the_origin_of_time() {
+    let epoch_ns = 1_764_000_000_123_456_789;
+    let told = |offset_ns: i64| {
+        let mut estimator = Estimator::new(EstimatorSettings::default());
+        let mut told = Vec::new();
+        for ms in 0..900_i64 {
+            let deg = 12.0 * gamma_saccade(((ms % 300) as f64 - 200.0) / 45.0, 0.7);
+            let lost = (450..480).contains(&ms);
+            let time_ns = offset_ns + ms * MS;
+            estimator.push(&if lost { GazeSample::at(time_ns) } else { looking(time_ns, deg) });
+            told.extend(
+                [-7 * MS - 400_001, 0, 25 * MS].map(|ahead_ns| estimator.estimate_at(time_ns + ahead_ns)),
+            );
+        }
+        told
+    };
+    assert_eq!(told(0), told(epoch_ns));
 }
 
 /// Gaze fixed in the world while the head turns left at 50 deg/s: in view space it goes right, and the
@@ -205,6 +293,17 @@ fn a_saccade_is_answered_with_its_landing() {
     let trajectory = EstimatorSettings { aim: Aim::Trajectory, ..EstimatorSettings::default() };
     let calm = fixating(trajectory, 300, 0.0).estimate_at(330 * MS).expect("at rest");
     assert!(estimate.error_radius_rad > calm.error_radius_rad);
+    // Until it lands, the eye is on its way, and the radius says so: by then to where it truly is, and
+    // beyond the horizon of the prediction, where the last gaze is held, to the landing.
+    for ms in [23, 26, 30, 35] {
+        let told = estimator.estimate_at((300 + ms) * MS).expect("in flight");
+        let truly = 10.0 * gamma_saccade(ms as f64 / 43.0, 0.7);
+        let off = (deg_of(told.direction_view) - truly).abs().to_radians();
+        assert!(off <= told.error_radius_rad, "{ms} ms: {off} off, {told:?}");
+    }
+    let held = estimator.estimate_at(423 * MS).expect("held");
+    assert_eq!(held.kind, EstimateKind::Held);
+    assert!((deg_of(held.direction_view) - 10.0).abs().to_radians() <= held.error_radius_rad, "{held:?}");
 }
 
 /// One second of anything: what happens at each step, and by how many ns time goes on.
@@ -213,7 +312,11 @@ fn steps() -> impl Strategy<Value = Vec<(u8, i64, f64)>> {
 }
 
 fn fed(steps: &[(u8, i64, f64)], one_eye: bool) -> (Estimator, i64) {
-    let mut estimator = Estimator::new(EstimatorSettings::default());
+    fed_with(EstimatorSettings::default(), steps, one_eye)
+}
+
+fn fed_with(settings: EstimatorSettings, steps: &[(u8, i64, f64)], one_eye: bool) -> (Estimator, i64) {
+    let mut estimator = Estimator::new(settings);
     let mut time_ns = 0;
     for (what, step_ns, deg) in steps {
         time_ns += step_ns;
@@ -243,9 +346,16 @@ fn fed(steps: &[(u8, i64, f64)], one_eye: bool) -> (Estimator, i64) {
 
 proptest! {
     #[test]
-    fn the_radius_never_shrinks_with_age(steps in steps(), ages in prop::collection::vec(0i64..3_000 * MS, 2..20)) {
-        let (estimator, _) = fed(&steps, false);
-        let Some((last, _)) = estimator.last else { return Ok(()) };
+    fn the_radius_never_shrinks_with_age(
+        steps in steps(),
+        ages in prop::collection::vec(0i64..3_000 * MS, 2..20),
+        landing in any::<bool>(),
+    ) {
+        let aim = if landing { Aim::Landing } else { Aim::Trajectory };
+        let (estimator, _) = fed_with(EstimatorSettings { aim, ..EstimatorSettings::default() }, &steps, false);
+        let Some((last, phase)) = estimator.last else { return Ok(()) };
+        // The eye comes nearer to its landing point.
+        prop_assume!(!(landing && phase.state == EyeState::Saccade));
         let mut ages = ages;
         ages.sort_unstable();
         let mut before = 0.0;

@@ -251,7 +251,7 @@ fn place_of(input: &Input, header: &Header, columns: &Columns, options: &ReadOpt
 }
 
 fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
-    let mut lines = lines(&input.bytes);
+    let mut lines = lines(input.text());
     let mut header = Header::default();
     if !lines.by_ref().any(|(_, line)| header.line(&line)) {
         return Err(Error::file(&input.path, "has no @DATA line; it is cut off in its header"));

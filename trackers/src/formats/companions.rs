@@ -1,7 +1,7 @@
 //! Files that lie beside recordings and hold no samples: what they are, and what to give instead.
 
-use super::Input;
 use super::table::has_header;
+use super::{Input, neon_native};
 
 /// Tables, by columns that they have; the more particular first.
 const TABLES: &[(&[&str], &str)] = &[
@@ -47,6 +47,12 @@ const TABLES: &[(&[&str], &str)] = &[
 pub(super) fn what_it_is(input: &Input, head: &str) -> Option<String> {
     if input.bytes.starts_with(b"\xff\xfe") || input.bytes.starts_with(b"\xfe\xff") {
         return Some("is text in UTF-16; save it as UTF-8".to_owned());
+    }
+    let part = input.path.extension().is_some_and(|end| end == "raw" || end == "time");
+    if part && input.path.parent().and_then(neon_native::file_in).is_some() {
+        return Some(
+            "is a part without gaze of a Pupil Labs recording; give the folder it lies in".to_owned(),
+        );
     }
     let start = head.trim_start();
     if start.starts_with('{') {
@@ -97,6 +103,8 @@ mod tests {
             ("jemr2022_vive_pro_eye_accuracy/table1.csv", "each person"),
             ("jemr2022_vive_pro_eye_accuracy/data_validations.csv", "each validation"),
             ("irf_lookAtPoint_EL/db_config.json", "JSON"),
+            ("pl_neon_native/worn ps1.raw", "give the folder"),
+            ("pl_neon_native/eye_state ps1.time", "give the folder"),
             ("bids_eyetracking_binocular/task-FreeView_physio.json", "is not beside it"),
             ("bids_eyetracking_binocular/sub-01_task-FreeView_run-01_events.tsv", "BIDS"),
         ] {

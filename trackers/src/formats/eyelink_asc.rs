@@ -296,7 +296,7 @@ impl<'a> Reader<'a> {
 
 fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
     let mut reader = Reader::new(options);
-    for (number, line) in lines(&input.bytes) {
+    for (number, line) in lines(input.text()) {
         reader.line(number, &line);
     }
     reader.finish(input)

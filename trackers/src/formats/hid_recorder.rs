@@ -101,7 +101,7 @@ fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
     }
     let (mut device, mut number) = (Device::default(), 0);
     let (mut rejects, mut descriptors, mut others) = (Rejects::default(), Rejects::default(), 0);
-    for (line_number, line) in lines(&input.bytes) {
+    for (line_number, line) in lines(input.text()) {
         let place = format_args!("line {line_number}");
         let Some((kind, text)) = line.split_once(':') else { continue };
         let ours = device.layout.is_none() || device.number == number;
@@ -171,7 +171,9 @@ mod tests {
              X: unknown\nE: 000001.020000 7 01 04 00 c8 00 64\nE: 1.02 7 01 04 00 c8 00 64 00\n\
              E: 000001.030000 2 07 04\n\nE:\n",
         );
-        let recording = read_input(&input(text), &screen()).expect("read");
+        let options = ReadOptions { time_unit_s: Some(1e-3), ..screen() };
+        let recording = read_input(&input(text), &options).expect("read");
+        assert!(recording.info.notes.iter().any(|note| note.contains("fixes the unit of time")));
         assert_eq!((recording.info.format, recording.info.device.as_str()), ("hid-recorder", "Test tracker"));
         assert_eq!(recording.len(), 2);
         let [first, second] = [0, 1].map(|index| recording.get(index).expect("there"));

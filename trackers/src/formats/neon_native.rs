@@ -210,7 +210,7 @@ fn events_of(series: &Series) -> impl Iterator<Item = RecordedEvent> + '_ {
     })
 }
 
-fn info_of(folder: &Folder, stem: &str) -> Result<(RecordingInfo, Option<DVec2>)> {
+fn info_of(folder: &Folder, stem: &str, options: &ReadOptions) -> Result<(RecordingInfo, Option<DVec2>)> {
     let bytes = folder.bytes("info.json")?.unwrap_or_default();
     let info: Info = serde_json::from_slice(&bytes).unwrap_or_default();
     let name = info.android_device_name.unwrap_or_default();
@@ -219,11 +219,11 @@ fn info_of(folder: &Folder, stem: &str) -> Result<(RecordingInfo, Option<DVec2>)
     } else if name.contains("Invisible") || info.glasses_serial_number.is_some() {
         ("Pupil Labs Invisible", Some(INVISIBLE_PX))
     } else {
-        ("Pupil Labs", None)
+        ("Pupil Labs", options.screen.map(|screen| screen.size_px))
     };
     let points = match size_px {
         Some(size) => format!("the scene picture is taken as {} x {} px, as of this device", size.x, size.y),
-        None => "info.json does not say whose it is, so gaze is only told in px".into(),
+        None => "info.json does not say whose it is, so gaze is only told in px; give the screen".into(),
     };
     let read = format!("read was {stem}; directions are optical axes, not lines of sight");
     let info = RecordingInfo {
@@ -237,14 +237,14 @@ fn info_of(folder: &Folder, stem: &str) -> Result<(RecordingInfo, Option<DVec2>)
     Ok((info, size_px))
 }
 
-fn read(input: &Input, _: &ReadOptions) -> Result<Recording> {
+fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
     let folder = Folder::of(&input.path)
         .ok_or_else(|| Error::file(&input.path, "lies in no folder; give a recording on disk"))?;
     let named = input.path.file_name().and_then(|name| gaze_stem(name.to_str()?));
     let asked = named.filter(|_| input.path.extension().is_none_or(|extension| extension != "dtype"));
     let full = !folder.parts("gaze_200hz").is_empty();
     let stem = asked.unwrap_or(if full { "gaze_200hz" } else { "gaze" });
-    let (info, size_px) = info_of(&folder, stem)?;
+    let (info, size_px) = info_of(&folder, stem, options)?;
     let mut recording = Recording::new(info);
     let gaze = folder.series(stem, stem, &mut recording)?;
     if gaze.times_ns.is_empty() {

@@ -1,9 +1,11 @@
 //! What the readers of text and of records share: lines with their numbers, rows left out, units.
 
+use crate::error::Error;
 use crate::recording::{ExtraColumn, Recording};
 use glam::DVec3;
 use std::borrow::Cow;
 use std::fmt::Display;
+use std::path::Path;
 
 /// Lines of a file with their numbers, counted from 1; without the line end, and without the byte order
 /// mark. What is no UTF-8 is replaced.
@@ -12,6 +14,15 @@ pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, str>)>
     let trimmed = |line: &'_ [u8]| line.len() - usize::from(line.ends_with(b"\r"));
     let lines = bytes.split(|byte| *byte == b'\n').zip(1..);
     lines.map(move |(line, number)| (number, String::from_utf8_lossy(&line[..trimmed(line)])))
+}
+
+/// The error for a recording without samples, with why its rows were left out.
+pub(super) fn no_samples(path: &Path, recording: &Recording) -> Error {
+    let cause = match recording.info.skipped.first() {
+        None => "holds a header but no samples; was the recording ever started?".to_owned(),
+        Some(first) => format!("holds no samples: {} rows were left out: {}", first.rows, first.why),
+    };
+    Error::file(path, cause)
 }
 
 /// How much of an example is told.

@@ -113,8 +113,6 @@ fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
     if offset_ns.is_some() {
         table.notes.push("the host's clock was taken as UTC, but may be local time".to_owned());
     }
-    let mut last_ns = None;
-    let mut repeated = 0u64;
     let mut clocks = clocks(device, ticks, unit_ns);
     let info = RecordingInfo {
         device: "HTC Vive Pro Eye (SRanipal)".to_owned(),
@@ -122,10 +120,9 @@ fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
         device_clock: "device (ms, 32 bit)".to_owned(),
         ..RecordingInfo::default()
     };
-    let mut recording = read_rows(&table, info, |row| {
+    read_rows(&table, info, |row| {
         let (device_ns, received_ns) = clocks.read(row).ok_or("there is no time")?;
         let time_ns = device_ns.saturating_add(offset_ns.unwrap_or(0));
-        repeated += u64::from(last_ns.replace(device_ns) == Some(device_ns));
         let head = quaternion_of_unity_deg(row.vector(rotation)).zip(told(of_unity(row.vector(position))));
         Ok(GazeSample {
             device_time_ns: Some(device_ns),
@@ -136,12 +133,7 @@ fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
             right: right.sample(row),
             head: head.map(|(world_from_view, position_m)| HeadPose { position_m, world_from_view }),
         })
-    })?;
-    if repeated > 0 {
-        let note = format!("{repeated} samples have the same device time as the one before them");
-        recording.info.notes.push(note);
-    }
-    Ok(recording)
+    })
 }
 
 #[cfg(test)]

@@ -76,7 +76,7 @@ fn read(input: &Input, options: &ReadOptions) -> Result<Recording> {
     });
     let mut extras = Extras::new(GAZE3D_COLUMNS);
     let (mut broken, mut others) = (Rejects::default(), Rejects::default());
-    for (number, text) in lines(&input.bytes) {
+    for (number, text) in lines(input.text()) {
         if text.trim().is_empty() {
             continue;
         }

@@ -43,7 +43,7 @@ struct Columns {
     event: Col,
     point_px: [Col; 2],
     eyes: [EyeColumns; 2],
-    /// Directions are in the coordinates of glasses.
+    /// It is of glasses: directions are in their coordinates, points in those of their camera.
     glasses: bool,
 }
 
@@ -66,7 +66,9 @@ impl Columns {
             validity: table.take(&format!("validity {side}")),
         };
         let eyes = [eye("left", eyes_px[0]), eye("right", eyes_px[1])];
-        let glasses = eyes.iter().any(|eye| table.unit(eye.direction[0]).contains("hucs"));
+        let points_x = [both_px[0], eyes_px[0][0], eyes_px[1][0]];
+        let glasses = eyes.iter().any(|eye| table.unit(eye.direction[0]).contains("hucs"))
+            || points_x.into_iter().any(|column| table.unit(column).contains("mcs"));
         // Told once for all samples.
         for side in ["width", "height"] {
             table.take(&format!("recording resolution {side}"));

@@ -115,15 +115,22 @@ pub struct HidPort(pub DeviceInfo);
 
 impl Port for HidPort {
     fn open(&mut self) -> Result<Box<dyn Transport>> {
-        let wanted = |info: &DeviceInfo| (info.vendor_id, info.product_id, info.serial.clone());
-        let here: Vec<DeviceInfo> =
-            discover()?.into_iter().filter(|info| wanted(info) == wanted(&self.0)).collect();
-        // Two of a kind without serial numbers are told apart by where they are.
-        let same_path = here.iter().find(|info| info.path == self.0.path);
-        let found = same_path.or(here.first());
-        let found = found.ok_or_else(|| Error::device(self.0.name(), "it is not plugged in"))?;
+        let here = discover()?;
+        let found =
+            again(&self.0, &here).ok_or_else(|| Error::device(self.0.name(), "it is not plugged in"))?;
         Ok(Box::new(found.open()?))
     }
+}
+
+/// The device among those that are here: the same interface of the same kind, and of several such ones
+/// without serial numbers the one at the same path.
+fn again<'a>(device: &DeviceInfo, here: &'a [DeviceInfo]) -> Option<&'a DeviceInfo> {
+    let alike = |info: &&DeviceInfo| {
+        (info.vendor_id, info.product_id, &info.serial, info.usage_page, info.usage)
+            == (device.vendor_id, device.product_id, &device.serial, device.usage_page, device.usage)
+    };
+    let mut found = here.iter().filter(alike);
+    found.clone().find(|info| info.path == device.path).or_else(|| found.next())
 }
 
 #[cfg(test)]
@@ -150,6 +157,20 @@ mod tests {
     fn a_device_without_names_goes_by_its_ids() {
         assert_eq!(info("/dev/hidraw0").name(), "1209:ee01");
         assert_eq!(DeviceInfo { product: "Tracker".to_owned(), ..info("") }.name(), "Tracker");
+    }
+
+    #[test]
+    fn a_device_is_found_again_at_another_path_and_not_mistaken() {
+        let serial = |path: &str, serial: &str| DeviceInfo { serial: Some(serial.to_owned()), ..info(path) };
+        // Another interface of the same device, which a vendor's entry lists too.
+        let keys = DeviceInfo { usage_page: 1, usage: 6, ..serial("/dev/hidraw0", "a") };
+        let here = [keys, serial("/dev/hidraw1", "b"), serial("/dev/hidraw2", "a"), info("/dev/hidraw3")];
+        let found = |device: &DeviceInfo| again(device, &here).map(|info| info.path.clone());
+        assert_eq!(found(&serial("/dev/hidraw0", "a")).as_deref(), Some("/dev/hidraw2"));
+        assert_eq!(found(&info("/dev/hidraw9")).as_deref(), Some("/dev/hidraw3"));
+        assert_eq!(found(&serial("/dev/hidraw1", "c")), None);
+        let twins = [info("/dev/hidraw3"), info("/dev/hidraw4")];
+        assert_eq!(again(&info("/dev/hidraw4"), &twins), Some(&twins[1]));
     }
 
     #[test]

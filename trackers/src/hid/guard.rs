@@ -145,7 +145,7 @@ impl<'a> Walk<'a> {
         const CONSTANT: u8 = 1;
         const VARIABLE: u8 = 2;
         let (count, size) = (unsigned(self.globals[REPORT_COUNT]), unsigned(self.globals[REPORT_SIZE]));
-        // Both are below 2^32, so neither the product nor a few thousand of them overflow.
+        // Both are below 2^32 and `bits` is at most MAX_BITS after each item, so nothing overflows.
         self.bits += count * size.max(1);
         let fields = if self.usages > 0 { count } else { 1 };
         self.records += (fields + 1).saturating_mul(FIELD_RECORDS + (1 << self.depth) + self.locals);

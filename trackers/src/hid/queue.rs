@@ -36,10 +36,11 @@ impl Queue {
     pub fn push(&self, events: impl IntoIterator<Item = SourceEvent>) {
         let mut content = self.lock();
         for event in events {
+            let Some(event) = content.join(event) else { continue };
             if content.events.len() >= self.capacity {
                 content.make_room();
             }
-            content.append(event);
+            content.events.push_back(event);
         }
     }
 
@@ -83,16 +84,18 @@ impl Content {
         }
     }
 
-    fn append(&mut self, event: SourceEvent) {
+    /// Counts a rejection with those just before it; returns what needs a place of its own.
+    fn join(&mut self, event: SourceEvent) -> Option<SourceEvent> {
         match (self.events.back_mut(), event) {
             (
                 Some(SourceEvent::Rejected { count, why }),
                 SourceEvent::Rejected { count: more, why: latest },
             ) => {
-                *count += more;
+                *count = count.saturating_add(more);
                 *why = latest;
+                None
             }
-            (_, event) => self.events.push_back(event),
+            (_, event) => Some(event),
         }
     }
 }
@@ -134,5 +137,15 @@ mod tests {
         let rejected = |count, why: &str| SourceEvent::Rejected { count, why: why.to_owned() };
         queue.push([rejected(1, "a"), rejected(1, "b"), sample(1), rejected(1, "c")]);
         assert_eq!(drained(&queue), [rejected(2, "b"), sample(1), rejected(1, "c")]);
+    }
+
+    #[test]
+    fn rejections_that_join_others_cost_no_sample() {
+        let queue = Queue::new(3);
+        let rejected = || SourceEvent::Rejected { count: 1, why: String::new() };
+        queue.push([sample(1), sample(2)]);
+        queue.push(std::iter::repeat_with(rejected).take(100));
+        let all = SourceEvent::Rejected { count: 100, why: String::new() };
+        assert_eq!(drained(&queue), [sample(1), sample(2), all]);
     }
 }

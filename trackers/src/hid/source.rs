@@ -123,7 +123,11 @@ impl GazeSource for HidSource {
     fn poll(&mut self, _now_ns: i64, events: &mut Vec<SourceEvent>) -> Result<()> {
         self.queue.drain(events);
         let ended = self.thread.as_ref().is_none_or(JoinHandle::is_finished);
-        if ended { Err(Error::device(&self.info.name, "its reader has ended unexpectedly")) } else { Ok(()) }
+        if ended {
+            Err(Error::device(&self.info.name, "its reader has ended unexpectedly; open it again"))
+        } else {
+            Ok(())
+        }
     }
 }
 

@@ -3,9 +3,10 @@
 
 use super::guard::MAX_BYTES;
 use crate::error::{Error, Result};
-use hidapi::HidDevice;
+use hidapi::{HidDevice, HidError, HidResult};
 use std::collections::VecDeque;
 use std::fmt;
+use std::io;
 use std::time::Duration;
 
 /// The longest report of the Linux kernel (`HID_MAX_BUFFER_SIZE`), bytes.
@@ -65,7 +66,7 @@ impl HidapiTransport {
         Self { name, device }
     }
 
-    fn error(&self, doing: &str, error: &hidapi::HidError) -> Error {
+    fn error(&self, doing: &str, error: &HidError) -> Error {
         Error::device(&self.name, format!("{doing} failed: {error}"))
     }
 }
@@ -85,7 +86,7 @@ impl Transport for HidapiTransport {
 
     fn read(&mut self, report: &mut [u8], timeout: Duration) -> Result<usize> {
         let timeout_ms = i32::try_from(timeout.as_millis()).unwrap_or(i32::MAX);
-        self.device.read_timeout(report, timeout_ms).map_err(|error| self.error("reading", &error))
+        waited(self.device.read_timeout(report, timeout_ms)).map_err(|error| self.error("reading", &error))
     }
 
     fn get_feature(&mut self, report: &mut [u8]) -> Result<usize> {
@@ -95,6 +96,14 @@ impl Transport for HidapiTransport {
     fn set_feature(&mut self, report: &[u8]) -> Result<()> {
         let written = self.device.send_feature_report(report);
         written.map_err(|error| self.error("writing a feature report", &error))
+    }
+}
+
+/// A signal ends the wait as a timeout does: the device is there.
+fn waited(read: HidResult<usize>) -> HidResult<usize> {
+    match read {
+        Err(HidError::IoError { error }) if error.kind() == io::ErrorKind::Interrupted => Ok(0),
+        read => read,
     }
 }
 
@@ -146,4 +155,17 @@ impl Transport for RecordedTransport {
 /// As much as fits, as a device does.
 fn copy(from: &[u8], to: &mut [u8]) -> usize {
     from.iter().zip(to).map(|(from, to)| *to = *from).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_signal_is_no_unplugging() {
+        let failed = |kind: io::ErrorKind| Err(HidError::IoError { error: kind.into() });
+        assert!(matches!(waited(failed(io::ErrorKind::Interrupted)), Ok(0)));
+        assert!(waited(failed(io::ErrorKind::NotFound)).is_err());
+        assert!(matches!(waited(Ok(65)), Ok(65)));
+    }
 }

@@ -112,7 +112,7 @@ impl<'a> Ledger<'a> {
     /// One row for each sample that the tracker made, in the order of arrival.
     #[must_use]
     pub fn samples(&self) -> SampleRows<'a> {
-        SampleRows { run: self.run, session: self.session, arrival: 0, frame: 0 }
+        SampleRows { run: self.run, session: self.session, arrival: 0, frame: 0, usable: 0 }
     }
 
     /// Writes the refreshes as CSV, one header line first; the columns are the fields of [`FrameRow`],
@@ -221,6 +221,8 @@ pub struct SampleRows<'a> {
     session: &'a SessionGaze,
     arrival: usize,
     frame: usize,
+    /// The first usable arrival after the row told last: searched once for all rows of a loss.
+    usable: usize,
 }
 
 impl Iterator for SampleRows<'_> {
@@ -239,7 +241,11 @@ impl Iterator for SampleRows<'_> {
         while frames.get(self.frame).is_some_and(|frame| frame.sample == Some(sample)) {
             self.frame += 1;
         }
-        let later = self.run.arrivals.get(self.arrival..).unwrap_or_default();
+        let arrivals = &self.run.arrivals;
+        self.usable = self.usable.max(self.arrival);
+        while arrivals.get(self.usable).is_some_and(|next| !next.usable) {
+            self.usable += 1;
+        }
         Some(SampleRow {
             sample,
             usable,
@@ -247,7 +253,7 @@ impl Iterator for SampleRows<'_> {
             available_ns,
             latched_ns: first.map(|frame| frame.latch_ns),
             displayed_ns: first.map(|frame| frame.display_ns),
-            superseded_ns: later.iter().find(|next| next.usable).map(|next| next.available_ns),
+            superseded_ns: arrivals.get(self.usable).map(|next| next.available_ns),
         })
     }
 }

@@ -186,6 +186,23 @@ fn the_ledger_tells_the_life_of_every_sample() {
     assert_eq!(line, Some("1,1,4000000,7000000,10000000,21000000,11000000"));
 }
 
+/// Ten minutes without a gaze: each sample of the loss is superseded by the first one after it.
+#[test]
+fn the_ledger_goes_through_a_long_loss_once() {
+    let mut lossy = Recording::new(RecordingInfo::default());
+    for index in 0..600_000 {
+        let mut sample = looking(index * MS, 0.0);
+        sample.combined.valid = index < 10 || index == 599_990;
+        lossy.push(&sample);
+    }
+    let session = SessionGaze::new(&lossy).expect("a session");
+    let run = run(&session, &steady(), &RunSettings::default(), 1).expect("a run");
+    let superseded: Vec<Option<i64>> = run.ledger(&session).samples().map(|row| row.superseded_ns).collect();
+    assert_eq!(superseded[3], Some(4 * MS));
+    assert!(superseded[9..599_990].iter().all(|ns| *ns == Some(599_990 * MS)));
+    assert!(superseded[599_990..].iter().all(Option::is_none));
+}
+
 #[test]
 fn the_ledger_is_written_whole() {
     let session = session(0.1, 4 * MS, |_| 3.0);

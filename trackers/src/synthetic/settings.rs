@@ -57,8 +57,8 @@ pub struct FixationSettings {
     pub microsaccades_per_s: f64,
     /// Median amplitude of a microsaccade, degrees.
     pub microsaccade_deg: f64,
-    /// Drift: root mean square displacement after 1 s, each axis, degrees. It grows with the root of
-    /// the time up to about 1 s and then no further.
+    /// Drift: root mean square displacement over the root of the time, each axis, degrees. It holds from
+    /// 20 ms to half a second, is 0.8 of that after 1 s, and grows no further.
     pub drift_deg_per_root_s: f64,
     /// Standard deviation of tremor, each axis, degrees; 5 seconds of arc (Bowers et al. 2019).
     pub tremor_deg: f64,

@@ -139,8 +139,12 @@ impl SyntheticEye {
         Self::sample_ns(with, rate_hz).saturating_add(self.tracker.delay_ns(with))
     }
 
-    /// The next sample if it has arrived by `now_ns`, and was not dropped.
+    /// The next sample if it has arrived by `now_ns`. One that was dropped holds up none behind it.
     fn take(&mut self, start_ns: i64, now_ns: i64) -> Taken {
+        if self.tracker.dropped(self.next) {
+            self.next += 1;
+            return Taken::Dropped;
+        }
         let arrival_ns = start_ns.saturating_add(self.arrival_ns(self.next, self.rate_hz));
         let arrival_ns = arrival_ns.max(self.arrived_ns);
         if arrival_ns > now_ns {
@@ -149,9 +153,6 @@ impl SyntheticEye {
         let number = self.next;
         self.next += 1;
         self.arrived_ns = arrival_ns;
-        if self.tracker.dropped(number) {
-            return Taken::Dropped;
-        }
         let (mut sample, _) = self.tracker.sample(number, Self::sample_ns(number, self.rate_hz));
         sample.time_ns = sample.time_ns.saturating_add(start_ns);
         sample.received_ns = arrival_ns;

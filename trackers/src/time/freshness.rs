@@ -122,7 +122,7 @@ impl FreshnessMonitor {
             return self.check(received_ns);
         }
         self.latest_device_ns = device_time_ns.or(self.latest_device_ns);
-        let repeated = content.is_some() && content == self.content;
+        let repeated = self.settings.same_ns.is_some() && content.is_some() && content == self.content;
         if !repeated {
             self.content = content;
             self.content_since_ns = received_ns;
@@ -273,6 +273,15 @@ mod tests {
             assert_eq!(coarse.observe(Some(time_ns), Some(number as u64 / 40), time_ns).event(), None);
             assert_eq!(mouse.observe(None, Some(1), time_ns).event(), None);
         }
+    }
+
+    #[test]
+    fn a_mouse_that_rests_recovers_after_a_silence() {
+        let still = FreshnessSettings { same_ns: None, ..FreshnessSettings::default() };
+        let mut mouse = FreshnessMonitor::new(still, Some(100.0));
+        assert_eq!(mouse.observe(None, Some(1), 0), Freshness::Fresh);
+        assert_eq!(mouse.check(300 * MS), Freshness::Stalled { since_ns: 0 });
+        assert_eq!(mouse.observe(None, Some(1), 400 * MS), Freshness::Recovered { after_ns: 400 * MS });
     }
 
     #[test]

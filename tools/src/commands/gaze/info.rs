@@ -17,7 +17,7 @@ pub struct InfoArgs {
 }
 
 #[derive(Serialize)]
-struct SkippedRows<'a> {
+pub struct SkippedRows<'a> {
     rows: u64,
     why: &'a str,
 }
@@ -120,6 +120,5 @@ fn text(info: &Info<'_>) -> String {
             .map(|skipped| ("skipped", format!("{} rows: {}", output::grouped(skipped.rows), skipped.why))),
     );
     rows.extend(info.notes.iter().map(|note| ("note", note.clone())));
-    let told = rows.iter().filter(|(_, value)| !value.is_empty());
-    told.map(|(name, value)| format!("{name:<10} {value}\n")).collect()
+    output::fields(&rows)
 }

@@ -19,7 +19,8 @@ fn row(device_ms: i64, ticks: i64, mask: u32) -> String {
 }
 
 fn read_text(rows: &str) -> Recording {
-    read(&input(format!("{HEADER}{rows}\r\n")), &ReadOptions::default()).expect("well formed")
+    super::super::read_input(&input(format!("{HEADER}{rows}\r\n")), &ReadOptions::default())
+        .expect("well formed")
 }
 
 #[test]
@@ -79,7 +80,7 @@ fn repeated_samples_stay_and_are_told() {
     let rows = [row(100, 0, 31), row(100, 10, 31), row(100, 20, 31), row(108, 90_000, 31)].concat();
     let recording = read_text(&rows);
     assert_eq!(recording.len(), 4);
-    assert!(recording.info.notes.iter().any(|note| note.starts_with("2 samples have the same device time")));
+    assert!(recording.info.notes.iter().any(|note| note.starts_with("2 samples have the same time")));
 }
 
 /// Degrees a second of the mean of both eyes between neighbours, the middle one of all.

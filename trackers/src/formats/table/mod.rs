@@ -142,7 +142,7 @@ impl<'a> Table<'a> {
     /// # Errors
     /// [`Error::File`] where there is neither.
     pub(super) fn open(input: &'a Input, required: &[&str], documented: &[&str]) -> Result<Self> {
-        let bytes = input.bytes.as_slice();
+        let bytes = input.text();
         let (header, notes) = match find_header(bytes, required) {
             Some(header) => (header, Vec::new()),
             None => {

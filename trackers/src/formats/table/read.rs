@@ -1,9 +1,10 @@
 //! From rows to a recording, with an account of what was left out.
 
+use super::super::rows::no_samples;
 use super::number::{Field, flag_of};
 use super::split::Row;
 use super::{Column, Table};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::recording::{ExtraColumn, Recording, RecordingInfo};
 use crate::sample::GazeSample;
 use std::cell::Cell;
@@ -128,13 +129,16 @@ impl Reading {
         }
     }
 
-    fn reports(&mut self, width: usize) {
+    fn reports(&mut self, width: usize, delimiter: u8) {
         let recording = &mut self.recording;
         for (why, count) in &self.rejected {
             count.report(recording, why);
         }
         let fields = self.wrong_fields;
-        let why = format!("the row has not the {width} fields of the header but, as the first, {fields}");
+        let mut why = format!("the row has not the {width} fields of the header but, as the first, {fields}");
+        if delimiter == b',' && fields > width {
+            why += " (between fields, decimal commas need a semicolon or tab)";
+        }
         self.wrong_width.report(recording, &why);
         if let Some(line) = self.broken_off {
             recording.skip(1, format!("the file breaks off in line {line}"));
@@ -144,14 +148,9 @@ impl Reading {
     }
 
     fn finish(mut self, columns: &[Column], table: &Table) -> Result<Recording> {
-        self.reports(columns.len());
+        self.reports(columns.len(), table.delimiter);
         if self.recording.is_empty() {
-            let skipped = self.recording.info.skipped.first();
-            let cause = match skipped {
-                None => "holds a header but no samples; was the recording ever started?".to_owned(),
-                Some(first) => format!("holds no samples: {} rows were left out: {}", first.rows, first.why),
-            };
-            return Err(Error::file(table.path, cause));
+            return Err(no_samples(table.path, &self.recording));
         }
         let samples = self.recording.len();
         let mut text = Vec::new();

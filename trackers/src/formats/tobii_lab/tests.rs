@@ -104,6 +104,18 @@ fn the_unit_of_time_is_guessed_or_given() {
 }
 
 #[test]
+fn points_of_glasses_lie_in_their_camera() {
+    let text = "Recording timestamp [ms]\tSensor\tGaze point X [MCS px]\tGaze point Y [MCS px]\n\
+        0\tEye Tracker\t960\t540\n20\tEye Tracker\t480\t270\n";
+    let screen = Screen { size_px: DVec2::new(1920.0, 1080.0), size_m: DVec2::ONE, distance_m: 1.0 };
+    let options = ReadOptions { screen: Some(screen), ..ReadOptions::default() };
+    let recording = read(&input(text), &options).expect("well formed");
+    assert_eq!(recording.info.space, Space::SceneCamera);
+    let combined = recording.get(1).expect("two").combined;
+    assert_eq!((combined.point, combined.direction), (Some(DVec2::splat(0.25)), None));
+}
+
+#[test]
 fn points_stay_px_until_the_size_is_known() {
     let rows = [["0", "Eye Tracker", "", "", "", "960", "270", "", "", "", "", "", "", "Valid"]];
     let text = file(|name, _| name.to_owned(), &rows);

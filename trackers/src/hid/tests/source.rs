@@ -9,6 +9,8 @@ use crate::hid::{
 use crate::source::{GazeSource, SourceEvent};
 use glam::DVec2;
 use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 /// Devices that are plugged in one after the other; `None` is an attempt that fails.
@@ -125,6 +127,33 @@ fn a_device_that_is_unplugged_is_found_again() {
     assert_eq!(numbers(&events), [5, 1, 2]);
     assert_eq!(events.iter().position(is_disconnect), Some(1));
     assert_eq!(events[2], SourceEvent::Reconnected);
+}
+
+/// A device that opens each time and fails at the first read.
+#[derive(Debug, Default)]
+struct Broken(Arc<AtomicU32>);
+
+impl Port for Broken {
+    fn open(&mut self) -> Result<Box<dyn Transport>> {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        Ok(Box::new(device([])))
+    }
+}
+
+#[test]
+fn a_device_that_fails_on_and_on_is_tried_at_leisure() {
+    let port = Broken::default();
+    let opened = Arc::clone(&port.0);
+    let options = HidOptions { retry: Duration::from_millis(20), ..options() };
+    let start = Instant::now();
+    let mut source = HidSource::standard("tracker".to_owned(), Box::new(port), options).expect("a device");
+    let events = poll_until(&mut source, 4, is_disconnect);
+    assert!(events.len() >= 7, "each comes back before it goes: {events:?}");
+    drop(source);
+    // The first attempt does not wait; all others do.
+    let most = start.elapsed().as_millis() / 20 + 1;
+    let opened = opened.load(Ordering::Relaxed);
+    assert!(u128::from(opened) <= most, "{opened} attempts, {most} at most");
 }
 
 #[test]

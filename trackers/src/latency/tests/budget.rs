@@ -1,6 +1,7 @@
 //! The budget against closed forms.
 
 use super::*;
+use crate::synthetic::{SyntheticEye, SyntheticSettings, TrackerSettings};
 
 /// Runs at constant velocity, so that the radius needed is velocity times latency.
 fn pursued(velocity_deg_s: f64, radius_deg: f64) -> (SessionGaze, LatencyRun, Budget) {
@@ -47,6 +48,56 @@ fn radius_and_latency_are_inverse_to_each_other() {
     for pair in budget.curve.windows(2) {
         assert!(pair[0].latency_ms < pair[1].latency_ms && pair[0].radius_deg <= pair[1].radius_deg);
         assert!(pair[0].outside_fraction <= pair[1].outside_fraction);
+    }
+}
+
+/// What the sweep says of a latency must come out of the model itself when its tracker is that much slower.
+#[test]
+fn the_largest_latency_is_that_of_a_slower_model() {
+    let settings = SyntheticSettings {
+        tracker: TrackerSettings::preset("perfect").expect("a tracker"),
+        ..SyntheticSettings::preset("free-viewing").expect("a preset")
+    };
+    let (recording, truth) =
+        SyntheticEye::new(settings, 3).and_then(|mut eye| eye.record(120_000 * MS, 1000.0)).expect("an eye");
+    let intervals: Vec<EyeInterval> = truth
+        .events
+        .iter()
+        .map(|event| EyeInterval {
+            state: event.kind.state(),
+            start_ns: event.start_ns,
+            end_ns: event.end_ns,
+        })
+        .collect();
+    let session = SessionGaze::new(&recording).expect("a session").with_intervals(&intervals);
+    let known = Known { value: 117.0, source: "a test".into(), guess: false };
+    let model = |readout_ms: f64, filter_ms: f64| {
+        let mut model = LatencyModel { tracker_rate_hz: Some(known.clone()), frames_ahead: 1.0, ..steady() };
+        constant(&mut model, Stage::Readout, readout_ms);
+        constant(&mut model, Stage::FilterDelay, filter_ms);
+        constant(&mut model, Stage::Gpu, 6.0);
+        model
+    };
+    let settings = RunSettings { radius_deg: 1.5, ..RunSettings::default() };
+    for filter_ms in [0.0, 12.0] {
+        let made = run(&session, &model(10.0, filter_ms), &settings, 1).expect("a run");
+        let budget = made.budget(&session, None);
+        let largest_ms = budget.largest_latency_ms.expect("a latency");
+        assert!(!budget.beyond_sweep && largest_ms > budget.latency_ms + 10.0, "{budget:?}");
+        let outside = |latency_ms: f64| {
+            let slower_ms = 10.0 + latency_ms - budget.latency_ms;
+            let slower = run(&session, &model(slower_ms, filter_ms), &settings, 1).expect("a run");
+            let counted = slower.frames.iter().filter(|frame| frame.counted);
+            let mean_ms =
+                Figures::of(counted.filter_map(|frame| frame.age_ns).map(|ns| ns as f64 * 1e-6)).mean;
+            // How the clocks meet changes the wait for a sample.
+            assert!((mean_ms - latency_ms).abs() < 2.0, "{mean_ms} of {latency_ms}");
+            slower.outside_fraction().expect("counted")
+        };
+        // The points of the sweep are 5 ms apart.
+        let (below, above) = (outside(largest_ms - 4.0), outside(largest_ms + 4.0));
+        let target = settings.target_outside;
+        assert!(below <= target && above >= target, "{filter_ms}: {below} and {above} at {largest_ms}");
     }
 }
 

@@ -103,6 +103,44 @@ fn polling_in_other_steps_brings_the_same() {
 }
 
 #[test]
+fn a_sample_is_told_as_soon_as_it_arrives() {
+    let mut settings = SyntheticSettings::preset("target-task").expect("a preset");
+    settings.tracker = TrackerSettings::preset("perfect").expect("a tracker");
+    let mut source = SyntheticEye::new(settings, 1).expect("sane settings").starting_at(0);
+    let mut events = Vec::new();
+    for step in 0..5000 {
+        events.clear();
+        source.poll(step * 1_000_000, &mut events).expect("never ends");
+        let [SourceEvent::Sample(sample)] = events[..] else {
+            panic!("{} events at {step} ms", events.len())
+        };
+        assert_eq!(sample.received_ns, step * 1_000_000);
+    }
+}
+
+#[test]
+fn a_recording_is_what_the_source_tells() {
+    let mut settings = SyntheticSettings::preset("vr-exploration").expect("a preset");
+    settings.tracker.drop_probability = 0.2;
+    settings.tracker.jitter_ms = 20.0;
+    settings.tracker.burst = 4;
+    settings.tracker.burst_probability = 0.3;
+    let source = SyntheticEye::new(settings, 12).expect("sane settings");
+    let (mut source, mut events) = (source.starting_at(0), Vec::new());
+    let (recording, _) = source.clone().record(20 * SECOND_NS, 120.0).expect("a recording");
+    for step in 0..2100 {
+        source.poll(step * 10_000_000, &mut events).expect("never ends");
+    }
+    let told = events.iter().filter_map(|event| match event {
+        SourceEvent::Sample(sample) => Some(*sample),
+        _ => None,
+    });
+    for (number, (recorded, told)) in recording.samples().zip(told).enumerate() {
+        assert_eq!(recorded, told, "{number}");
+    }
+}
+
+#[test]
 fn nothing_jumps_and_nothing_is_nan() {
     for name in PRESETS {
         let mut eye = eye(name, 5);

@@ -189,6 +189,55 @@ fn the_pupil_swings_after_a_saccade_and_the_eye_does_not() {
 }
 
 #[test]
+fn drift_grows_with_the_root_of_the_time() {
+    let mut settings = preset("target-task");
+    settings.fixation = FixationSettings { drift_deg_per_root_s: 0.4, tremor_deg: 0.0, ..settings.fixation };
+    settings.fixation.microsaccades_per_s = 0.0;
+    let mut eye = EyeModel::new(&settings, 5).expect("sane settings");
+    let events = eye.events(0, 1200 * SECOND_NS).expect("labels");
+    let mut moved = [(0.0, 0.0); 3];
+    for event in events.iter().filter(|event| event.kind == TruthKind::Fixation) {
+        for (lag_ns, sums) in [100_000_000, 300_000_000, SECOND_NS].into_iter().zip(&mut moved) {
+            for start_ns in (event.start_ns..event.end_ns - lag_ns).step_by(50_000_000) {
+                let [first, last] = [start_ns, start_ns + lag_ns].map(|time_ns| eye.state_at(time_ns));
+                if first.openness == 1.0 && last.openness == 1.0 {
+                    let step_deg = first.direction.angle_between(last.direction).to_degrees();
+                    *sums = (sums.0 + step_deg * step_deg / 2.0, sums.1 + 1.0);
+                }
+            }
+        }
+    }
+    for ((lag_s, share), (sum, count)) in [(0.1_f64, 1.0), (0.3, 1.0), (1.0, 0.8)].into_iter().zip(moved) {
+        let over_root = (sum / count / lag_s).sqrt();
+        within(&format!("drift in {lag_s} s"), over_root / (0.4 * share), 0.93, 1.07);
+    }
+}
+
+#[test]
+fn pursuit_is_as_fast_as_its_label_and_as_what_it_follows() {
+    let mut settings = preset("pursuit");
+    settings.fixation = FixationSettings { drift_deg_per_root_s: 0.0, tremor_deg: 0.0, ..settings.fixation };
+    settings.blink.per_min = 0.0;
+    let mut eye = EyeModel::new(&settings, 8).expect("sane settings");
+    let events = eye.events(0, 600 * SECOND_NS).expect("labels");
+    let mut speeds = Vec::new();
+    for event in events.iter().filter(|event| event.kind == TruthKind::Pursuit) {
+        // Behind the 60 ms in which the eye takes up speed.
+        let (from_ns, to_ns) = (event.start_ns + 250_000_000, event.end_ns - 1_000_000);
+        if to_ns - from_ns < 100_000_000 {
+            continue;
+        }
+        let [from, to] = [from_ns, to_ns].map(|time_ns| eye.state_at(time_ns).direction_world);
+        let speed_deg_s = from.angle_between(to).to_degrees() / ((to_ns - from_ns) as f64 * 1e-9);
+        within("speed over its label", speed_deg_s / event.peak_deg_s, 0.98, 1.01);
+        speeds.push(speed_deg_s);
+    }
+    // Targets move at a median of 10 deg/s, and the eye at 0.95 of it.
+    assert!(speeds.len() > 100, "{}", speeds.len());
+    within("median speed, deg/s", percentile(&speeds, 0.5), 7.5, 11.5);
+}
+
+#[test]
 fn gaze_stays_in_the_world_while_the_head_turns() {
     let mut settings = preset("target-task");
     // Peaks at 2 pi * 0.8 Hz * 20 degrees, or 100 deg/s.

@@ -59,6 +59,36 @@ fn accuracy_by_eccentricity_is_the_table() {
 }
 
 #[test]
+fn noise_grows_with_eccentricity_and_wander_adds_to_it() {
+    let error = |settings: &SyntheticSettings| {
+        let mut errors = [Vec::new(), Vec::new()];
+        for (sample, truth) in samples(settings, 60_000, 17_000_000) {
+            let (Some(told), true) = (sample.combined.usable_direction(), truth.openness == 1.0) else {
+                continue;
+            };
+            let off_deg = told.angle_between(truth.direction).to_degrees();
+            match truth.direction.angle_between(DVec3::NEG_Z).to_degrees() {
+                ..4.0 => errors[0].push(off_deg * off_deg / 2.0),
+                18.0..22.0 => errors[1].push(off_deg * off_deg / 2.0),
+                _ => {}
+            }
+        }
+        // Standard deviation of each axis near 0 and near 20 degrees.
+        errors.map(|squares| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
+    };
+    let noisy = |tracker: &mut TrackerSettings| {
+        (tracker.noise_deg, tracker.noise_growth_per_deg) = (0.2, 0.05);
+    };
+    // RMS from sample to sample of 0.2 is 0.1 each axis; at 2 to 3 degrees 1.13 of it, at 20 twice.
+    let [centre, wide] = error(&with(noisy));
+    assert!((0.108..0.12).contains(&centre) && (0.19..0.205).contains(&wide), "{centre} {wide}");
+    let wandering = with(|tracker| tracker.wander_deg = 0.3);
+    for deviation in error(&wandering) {
+        assert!((0.28..0.32).contains(&deviation), "{deviation}");
+    }
+}
+
+#[test]
 fn clocks_tick_drift_and_wrap() {
     let settings = with(|tracker| {
         tracker.clock_tick_ns = 8_000_000;

@@ -9,8 +9,8 @@ use crate::progress::Steps;
 use crate::{library, output};
 use macula_trackers::formats;
 use macula_trackers::latency::{
-    EstimatorAnswer, GazeAnswer, LatencyModel, LatencyRun, LatencySummary, PRESETS, SessionGaze, Verdict,
-    page, preset, report_data, run as run_held, run_with, verdict,
+    GazeAnswer, LatencyModel, LatencyRun, LatencySummary, PRESETS, SessionGaze, Verdict, page, preset,
+    report_data, verdict,
 };
 use macula_trackers::recording::Recording;
 pub use options::LatencyArgs;
@@ -49,7 +49,6 @@ pub fn run(args: &LatencyArgs, json: bool) -> Result<(), Failure> {
     }
     let Some(file) = &args.file else { return Err(Failure::usage("a recording is missing")) };
     let model = args.model()?;
-    let settings = args.settings();
     args.check_outputs(file)?;
     let mut steps = Steps::short(4);
     steps.next("reading");
@@ -58,11 +57,8 @@ pub fn run(args: &LatencyArgs, json: bool) -> Result<(), Failure> {
     let (intervals, events_from) = eye_intervals(&recording);
     let session = SessionGaze::new(&recording)?.with_intervals(&intervals);
     steps.next("running");
-    let mut estimator = args.estimator().map(|estimator| EstimatorAnswer::new(estimator, &recording));
-    let run = match &mut estimator {
-        Some(answer) => run_with(&session, &model, &settings, args.seed, answer)?,
-        None => run_held(&session, &model, &settings, args.seed)?,
-    };
+    let mut estimator = args.run.answer(&recording);
+    let run = args.run.through(&model, &session, estimator.as_mut())?;
     steps.next("budget");
     let answer = estimator.as_mut().map(|answer| answer as &mut dyn GazeAnswer);
     let summary = run.summary(&session, run.budget(&session, answer));
@@ -73,10 +69,10 @@ pub fn run(args: &LatencyArgs, json: bool) -> Result<(), Failure> {
 }
 
 fn report(args: &LatencyArgs, mut summary: LatencySummary, events_from: EventsFrom) -> Report {
-    let answer = args.answer_words();
+    let answer = args.run.answer_words();
     summary.notes.insert(0, format!("The renderer takes {answer}."));
     summary.notes.insert(1, format!("What the eye did comes from {}.", events_from.words()));
-    Report { events_from, answer, seed: args.seed, conclusion: verdict(&summary), summary }
+    Report { events_from, answer, seed: args.run.seed, conclusion: verdict(&summary), summary }
 }
 
 /// What the page is about: the file's name and the device that wrote it.
