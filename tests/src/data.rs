@@ -25,6 +25,12 @@ pub fn shared(relative: &str) -> Option<PathBuf> {
     found
 }
 
+/// A recording that the project carries, by its path below `trackers/tests/data`.
+#[must_use]
+pub fn recording(relative: &str) -> String {
+    workspace().join("trackers/tests/data").join(relative).to_string_lossy().into_owned()
+}
+
 /// All glTF files below a folder, in order.
 ///
 /// # Panics

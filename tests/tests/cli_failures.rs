@@ -1,38 +1,15 @@
 //! Bad input: one clear line, the right exit code, and nothing half-written left behind.
 
-use macula_tests::cli::{binary, failure, macula, run};
+use macula_tests::cli::{Place, binary, failure, macula, run};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 const NO_DRIVER: [(&str, &str); 2] =
     [("VK_DRIVER_FILES", "/nonexistent/driver.json"), ("VK_ICD_FILENAMES", "/nonexistent/driver.json")];
 
-fn files(folder: &Path) -> Vec<String> {
-    let mut names: Vec<_> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
-        .collect();
-    names.sort();
-    names
-}
-
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.path().join(name).to_string_lossy().into_owned()
-    }
-
-    /// A small scene that loads.
-    fn scene(&self) -> String {
-        let path = self.path("empty.gltf");
-        std::fs::write(&path, r#"{"asset":{"version":"2.0"},"scenes":[{}],"scene":0}"#).unwrap();
-        path
-    }
+/// A small scene that loads.
+fn scene(place: &Place) -> String {
+    place.write("empty.gltf", r#"{"asset":{"version":"2.0"},"scenes":[{}],"scene":0}"#)
 }
 
 #[test]
@@ -46,8 +23,8 @@ fn files_that_are_missing_or_broken() {
     std::fs::write(&empty, b"").unwrap();
     let noise = place.path("noise.hdr");
     std::fs::write(&noise, b"#?RADIANCE\nnoise").unwrap();
-    let scene = place.scene();
-    let before = files(place.0.path());
+    let scene = scene(&place);
+    let before = place.names();
     for (arguments, named) in [
         (vec!["render", &missing, "-o", &out], "missing.glb"),
         (vec!["render", &broken, "-o", &out], "broken.glb"),
@@ -67,14 +44,14 @@ fn files_that_are_missing_or_broken() {
             assert!(line.contains(named), "{line}");
         }
     }
-    assert_eq!(files(place.0.path()), before);
+    assert_eq!(place.names(), before);
 }
 
 #[test]
 fn settings_out_of_range() {
     let place = Place::new();
-    let (scene, out) = (place.scene(), place.path("out.png"));
-    let before = files(place.0.path());
+    let (scene, out) = (scene(&place), place.path("out.png"));
+    let before = place.names();
     for wrong in [
         vec!["--size", "0x100"],
         vec!["--size", "100x0"],
@@ -115,23 +92,23 @@ fn settings_out_of_range() {
     ] {
         failure(&macula(&wrong).stdin(Stdio::null()).output().unwrap(), 2, &format!("{wrong:?}"));
     }
-    assert_eq!(files(place.0.path()), before);
+    assert_eq!(place.names(), before);
 }
 
 #[test]
 fn pictures_that_cannot_be_written() {
     let place = Place::new();
-    let scene = place.scene();
+    let scene = scene(&place);
     let nowhere = place.path("no/such/folder/out.png");
     let line = failure(&run(&["render", &scene, "-o", &nowhere, "--size", "32x32"]), 1, "no folder");
     assert!(line.contains("out.png") && line.contains("folder"), "{line}");
     // Taken by a folder: found only when the file is put in its place.
     let taken = place.path("taken.png");
     std::fs::create_dir(&taken).unwrap();
-    let before = files(place.0.path());
+    let before = place.names();
     let line = failure(&run(&["render", &scene, "-o", &taken, "--size", "32x32"]), 1, "a folder");
     assert!(line.contains("taken.png"), "{line}");
-    assert_eq!(files(place.0.path()), before);
+    assert_eq!(place.names(), before);
     let line = failure(&run(&["render", &scene, "-o", "/dev/full"]), 2, "/dev/full");
     assert!(line.contains("/dev/full"), "{line}");
     let glb = place.path("no/such/hall.glb");
@@ -143,19 +120,19 @@ fn pictures_that_cannot_be_written() {
 #[test]
 fn a_full_disk() {
     let place = Place::new();
-    let before = files(place.0.path());
+    let before = place.names();
     // Files may grow to 64 KiB and not beyond, and the signal that says so is ignored, as a full disk
     // would: the hall does not fit.
     let limited = |arguments: &str| {
         let script = format!("trap '' XFSZ; ulimit -f 64; exec \"$0\" {arguments}");
-        Command::new("sh").arg("-c").arg(script).arg(binary()).current_dir(place.0.path()).output().unwrap()
+        Command::new("sh").arg("-c").arg(script).arg(binary()).current_dir(place.folder()).output().unwrap()
     };
     let line = failure(&limited("scene hall -o hall.glb --triangles 10000"), 1, "disk");
     assert!(line.contains("hall.glb"), "{line}");
     let line =
         failure(&limited("render sdf:primitives -o out.exr --size 256x256 --no-validation"), 1, "disk");
     assert!(line.contains("out.exr"), "{line}");
-    assert_eq!(files(place.0.path()), before, "something half-written is left");
+    assert_eq!(place.names(), before, "something half-written is left");
     // The result itself.
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let output = macula(&["scene", "--help"]).output().unwrap();
@@ -167,8 +144,8 @@ fn a_full_disk() {
 #[test]
 fn no_vulkan_driver() {
     let place = Place::new();
-    let (scene, out) = (place.scene(), place.path("out.png"));
-    let before = files(place.0.path());
+    let (scene, out) = (scene(&place), place.path("out.png"));
+    let before = place.names();
     for arguments in [
         vec!["render", &scene, "-o", &out, "--size", "32x32"],
         vec!["render", "sdf:primitives", "-o", &out, "--json"],
@@ -184,7 +161,7 @@ fn no_vulkan_driver() {
     assert_eq!(output.status.code(), Some(1));
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(stderr.lines().count() == 1 && stderr.contains("driver"), "{stderr}");
-    assert_eq!(files(place.0.path()), before);
+    assert_eq!(place.names(), before);
 }
 
 #[test]

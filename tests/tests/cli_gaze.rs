@@ -1,7 +1,7 @@
 //! `macula gaze`: sources to recordings, recordings to others, and what goes wrong on the way.
 
-use macula_tests::cli::{failure, json, macula, run};
-use macula_tests::data::workspace;
+use macula_tests::cli::{Place, failure, json, macula, run};
+use macula_tests::data::{recording, workspace};
 use macula_trackers::EyeState;
 use macula_trackers::formats::{ReadOptions, read};
 use macula_trackers::recording::Recording;
@@ -13,34 +13,13 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.path().join(name).to_string_lossy().into_owned()
-    }
-
-    fn names(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(self.0.path()).unwrap();
-        let mut names: Vec<_> =
-            entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
-        names.sort();
-        names
-    }
-
-    /// A recording of two seconds at 120 Hz.
-    fn synth(&self, name: &str) -> String {
-        let path = self.path(name);
-        let arguments =
-            ["gaze", "synth", "-o", &path, "--preset", "vr-exploration", "--seconds", "2", "--json"];
-        let told = json(&run(&arguments), "synth");
-        assert_eq!((&told["samples"], &told["rate_hz"]), (&Value::from(240), &Value::from(120.0)));
-        format!("{path}_recording-eye3_physio.tsv.gz")
-    }
+/// A recording of two seconds at 120 Hz.
+fn synth(place: &Place, name: &str) -> String {
+    let path = place.path(name);
+    let arguments = ["gaze", "synth", "-o", &path, "--preset", "vr-exploration", "--seconds", "2", "--json"];
+    let told = json(&run(&arguments), "synth");
+    assert_eq!((&told["samples"], &told["rate_hz"]), (&Value::from(240), &Value::from(120.0)));
+    format!("{path}_recording-eye3_physio.tsv.gz")
 }
 
 fn load(path: impl AsRef<Path>) -> Recording {
@@ -49,10 +28,6 @@ fn load(path: impl AsRef<Path>) -> Recording {
 
 fn samples(path: impl AsRef<Path>) -> Vec<GazeSample> {
     load(path).samples().collect()
-}
-
-fn example(name: &str) -> String {
-    workspace().join("trackers/tests/data").join(name).to_string_lossy().into_owned()
 }
 
 /// `macula gaze record` under way, and the first line that it said.
@@ -102,7 +77,7 @@ fn line(number: u32) -> Vec<u8> {
 #[test]
 fn a_synthetic_session_converts_without_loss() {
     let place = Place::new();
-    let made = place.synth("eye");
+    let made = synth(&place, "eye");
     let info = json(&run(&["gaze", "info", &made, "--json"]), "info");
     assert_eq!((&info["samples"], &info["space"]), (&Value::from(240), &Value::from("view")));
     let converted = place.path("again_physio");
@@ -164,10 +139,12 @@ fn events_of_a_recording_are_converted_too() {
 #[test]
 fn a_stepped_replay_records_what_was_recorded() {
     let place = Place::new();
-    let made = place.synth("eye");
-    for (file, name) in
-        [(made, "a"), (example("eyedentify3d/vive_blink.csv"), "b"), (example("layouts/pupil_core.csv"), "c")]
-    {
+    let made = synth(&place, "eye");
+    for (file, name) in [
+        (made, "a"),
+        (recording("eyedentify3d/vive_blink.csv"), "b"),
+        (recording("layouts/pupil_core.csv"), "c"),
+    ] {
         let output = place.path(name);
         let told =
             json(&run(&["gaze", "record", "--replay", &file, "--fast", "-o", &output, "--json"]), &file);
@@ -231,7 +208,7 @@ fn wrong_arguments_are_one_line() {
     // Where not even the superuser may make a file.
     let unwritable = "/proc/macula";
     let nowhere = place.path("no/such/folder/x");
-    let good = example("eyedentify3d/vive_blink.csv");
+    let good = recording("eyedentify3d/vive_blink.csv");
     let before = place.names();
     for (code, arguments, named) in [
         (2, vec!["synth", "-o", &out, "--preset", "asleep"], "asleep"),
@@ -273,7 +250,7 @@ fn wrong_arguments_are_one_line() {
 #[test]
 fn a_recording_is_replaced_only_by_force_and_never_by_itself() {
     let place = Place::new();
-    let good = example("eyedentify3d/vive_blink.csv");
+    let good = recording("eyedentify3d/vive_blink.csv");
     let out = place.path("x.tsv.gz");
     assert!(run(&["gaze", "convert", &good, &out]).status.success());
     failure(&run(&["gaze", "convert", &good, &out]), 1, "there");
@@ -343,7 +320,7 @@ fn a_killed_recording_lacks_at_most_the_last_second() {
 #[test]
 fn a_monitor_tells_each_second_and_the_sum() {
     let place = Place::new();
-    let made = place.synth("eye");
+    let made = synth(&place, "eye");
     let output = run(&["gaze", "monitor", "--replay", &made, "--seconds", "20"]);
     assert!(output.status.success());
     let lines: Vec<Value> = String::from_utf8(output.stdout)
@@ -383,7 +360,7 @@ fn the_synthetic_test_data_is_made_again_by_its_command() {
     for (words, file) in commands {
         let made: Vec<PathBuf> = (0..2)
             .map(|number| {
-                let folder = place.0.path().join(number.to_string());
+                let folder = place.folder().join(number.to_string());
                 std::fs::create_dir_all(&folder).unwrap();
                 let words: Vec<_> = words.iter().map(String::as_str).collect();
                 let made = macula(&words).current_dir(&folder).output().expect("macula runs");

@@ -1,6 +1,6 @@
 //! `macula gaze events`, `predict` and `latency`: against closed forms, hand labels and bad input.
 
-use macula_tests::cli::{failure, json, run};
+use macula_tests::cli::{Place, failure, json, run};
 use macula_tests::data::{shared, workspace};
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -9,63 +9,45 @@ use std::path::Path;
 /// Velocity of the written pursuit, deg/s.
 const PURSUIT_DEG_S: f64 = 20.0;
 
-struct Place(tempfile::TempDir);
-
-impl Place {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.path().join(name).to_string_lossy().into_owned()
-    }
-
-    fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> String {
-        let path = self.path(name);
-        std::fs::write(&path, bytes).unwrap();
-        path
-    }
-
-    /// A labelled recording of 1 kHz as a NumPy array: 2 s of pursuit along the horizon.
-    fn pursuit(&self) -> String {
-        let header = "{'descr': [('t', '<f8'), ('x', '<f8'), ('y', '<f8'), ('status', '|b1'), ('evt', '|u1')], \
-                      'fortran_order': False, 'shape': (2000,), }\n";
-        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-        bytes.extend((header.len() as u16).to_le_bytes());
-        bytes.extend(header.as_bytes());
-        for index in 0..2000 {
-            let time_s = f64::from(index) * 1e-3;
-            for value in [time_s, PURSUIT_DEG_S * (time_s - 1.0), 0.0] {
-                bytes.extend(value.to_le_bytes());
-            }
-            bytes.extend([1, 4]);
+/// A labelled recording of 1 kHz as a NumPy array: 2 s of pursuit along the horizon.
+fn pursuit(place: &Place) -> String {
+    let header = "{'descr': [('t', '<f8'), ('x', '<f8'), ('y', '<f8'), ('status', '|b1'), ('evt', '|u1')], \
+                  'fortran_order': False, 'shape': (2000,), }\n";
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    for index in 0..2000 {
+        let time_s = f64::from(index) * 1e-3;
+        for value in [time_s, PURSUIT_DEG_S * (time_s - 1.0), 0.0] {
+            bytes.extend(value.to_le_bytes());
         }
-        self.write("pursuit.npy", bytes)
+        bytes.extend([1, 4]);
     }
+    place.write("pursuit.npy", bytes)
+}
 
-    /// A display of 100 Hz whose first refresh is at the first sample; every stage takes the same time
-    /// always. From the sample to the light: 12 ms, two frames, 3 ms.
-    fn model(&self) -> String {
-        let mut text = "name = \"closed form\"\n[display]\nrefresh_hz = 100\nphase = 0\nguess = true\n\
-                        [renderer]\nframes_ahead = 2\n"
-            .to_owned();
-        for (stage, ms) in [
-            ("exposure", 0.0),
-            ("readout", 12.0),
-            ("tracker_processing", 0.0),
-            ("polling", 0.0),
-            ("wakeup", 0.0),
-            ("filter_delay", 0.0),
-            ("cpu", 4.0),
-            ("gpu", 5.0),
-            ("compositor", 0.0),
-            ("scanout", 0.0),
-            ("panel", 3.0),
-        ] {
-            _ = write!(text, "[stages.{stage}]\nconstant_ms = {ms:?}\nguess = true\n");
-        }
-        self.write("model.toml", text)
+/// A display of 100 Hz whose first refresh is at the first sample; every stage takes the same time
+/// always. From the sample to the light: 12 ms, two frames, 3 ms.
+fn model(place: &Place) -> String {
+    let mut text = "name = \"closed form\"\n[display]\nrefresh_hz = 100\nphase = 0\nguess = true\n\
+                    [renderer]\nframes_ahead = 2\n"
+        .to_owned();
+    for (stage, ms) in [
+        ("exposure", 0.0),
+        ("readout", 12.0),
+        ("tracker_processing", 0.0),
+        ("polling", 0.0),
+        ("wakeup", 0.0),
+        ("filter_delay", 0.0),
+        ("cpu", 4.0),
+        ("gpu", 5.0),
+        ("compositor", 0.0),
+        ("scanout", 0.0),
+        ("panel", 3.0),
+    ] {
+        _ = write!(text, "[stages.{stage}]\nconstant_ms = {ms:?}\nguess = true\n");
     }
+    place.write("model.toml", text)
 }
 
 const AGE_MS: f64 = 12.0 + 2.0 * 10.0 + 3.0;
@@ -93,7 +75,7 @@ fn stage<'a>(report: &'a Value, name: &str) -> &'a Value {
 #[test]
 fn behind_a_pursuit_the_error_is_velocity_times_age() {
     let place = Place::new();
-    let (file, model) = (place.pursuit(), place.model());
+    let (file, model) = (pursuit(&place), model(&place));
     let held = latency(&[&file, "--model", &model, "--radius-deg", "0.5"]);
     close(&held["age_ms"]["p50"], AGE_MS, 1e-6);
     close(&held["error_deg"]["p50"], PURSUIT_DEG_S * AGE_MS * 1e-3, 1e-6);
@@ -114,7 +96,7 @@ fn behind_a_pursuit_the_error_is_velocity_times_age() {
 #[test]
 fn a_predictor_makes_up_for_the_age_and_a_late_latch_for_the_cpu() {
     let place = Place::new();
-    let (file, model) = (place.pursuit(), place.model());
+    let (file, model) = (pursuit(&place), model(&place));
     let raw = ["--predictor", "constant-velocity", "--filter", "none"];
     let ahead = latency(&[&[file.as_str(), "--model", &model], &raw[..]].concat());
     close(&ahead["error_deg"]["p50"], 0.0, 1e-4);
@@ -131,7 +113,7 @@ fn a_predictor_makes_up_for_the_age_and_a_late_latch_for_the_cpu() {
 #[test]
 fn a_stage_is_measured_by_a_report_of_a_render() {
     let place = Place::new();
-    let (file, model) = (place.pursuit(), place.model());
+    let (file, model) = (pursuit(&place), model(&place));
     // As `macula render --json` writes it, shortened.
     let report = r#"{"method": "kfr", "passes": [{"name": "lp_shade", "gpu_ms": 3.0}], "gpu_ms": 6.5}"#;
     let measured = format!("gpu={}", place.write("gpu.json", report));
@@ -147,7 +129,7 @@ fn a_stage_is_measured_by_a_report_of_a_render() {
 #[test]
 fn the_page_stands_alone_and_the_ledgers_have_every_row() {
     let place = Place::new();
-    let (file, model) = (place.pursuit(), place.model());
+    let (file, model) = (pursuit(&place), model(&place));
     let [page, frames, samples] = ["page.html", "frames.csv", "samples.csv"].map(|name| place.path(name));
     let report =
         latency(&[&file, "--model", &model, "-o", &page, "--ledger", &frames, "--sample-ledger", &samples]);
@@ -162,13 +144,13 @@ fn the_page_stands_alone_and_the_ledgers_have_every_row() {
     assert_eq!(lines(&frames), 1 + report["frames"].as_u64().unwrap() as usize);
     assert_eq!(lines(&samples), 1 + 2000);
     // Only those, and nothing unfinished.
-    assert_eq!(std::fs::read_dir(place.0.path()).unwrap().count(), 5);
+    assert_eq!(place.names().len(), 5);
 }
 
 #[test]
 fn text_says_what_follows() {
     let place = Place::new();
-    let (file, model) = (place.pursuit(), place.model());
+    let (file, model) = (pursuit(&place), model(&place));
     let output = run(&["gaze", "latency", &file, "--model", &model]);
     let text = String::from_utf8_lossy(&output.stdout);
     assert_eq!(output.status.code(), Some(0));
@@ -192,7 +174,7 @@ fn presets_are_listed() {
 #[test]
 fn bad_input_is_one_line() {
     let place = Place::new();
-    let (file, model) = (place.pursuit(), place.model());
+    let (file, model) = (pursuit(&place), model(&place));
     let missing = place.path("missing.csv");
     let broken = place.write("broken.toml", "name = \"x\"\n[stages.gpu]\nconstant_s = 1\n");
     let number = place.write("number.json", r#"{"gpu_ms": "fast"}"#);

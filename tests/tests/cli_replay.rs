@@ -1,26 +1,18 @@
 //! `macula replay`: a gaze session through the renderer.
 
-use macula_tests::cli::{failure, json, run};
-use macula_tests::data::workspace;
+use macula_tests::cli::{Place, failure, json, run};
+use macula_tests::data::recording;
 use std::path::Path;
 
 /// A second and a half of a Vive Pro Eye.
 fn session() -> String {
-    excerpt("vive_duplicates.csv")
-}
-
-fn excerpt(name: &str) -> String {
-    workspace().join("trackers/tests/data/eyedentify3d").join(name).to_string_lossy().into_owned()
-}
-
-fn path(folder: &Path, name: &str) -> String {
-    folder.join(name).to_string_lossy().into_owned()
+    recording("eyedentify3d/vive_duplicates.csv")
 }
 
 #[test]
 fn a_session_is_rendered_frame_by_frame() {
-    let folder = tempfile::tempdir().unwrap();
-    let [frames, sheet, ledger] = ["frames", "sheet.png", "ledger.csv"].map(|name| path(folder.path(), name));
+    let place = Place::new();
+    let [frames, sheet, ledger] = ["frames", "sheet.png", "ledger.csv"].map(|name| place.path(name));
     let session = session();
     let report = json(
         &run(&[
@@ -83,11 +75,11 @@ fn a_session_is_rendered_frame_by_frame() {
 
 #[test]
 fn the_same_session_gives_the_same_frames_and_a_head_turns_the_view() {
-    let folder = tempfile::tempdir().unwrap();
+    let place = Place::new();
     // Of someone who boxes, and so turns the head.
-    let session = excerpt("pico_boxing.csv");
+    let session = recording("eyedentify3d/pico_boxing.csv");
     let frames = |name: &str, more: &[&str]| {
-        let output = path(folder.path(), name);
+        let output = place.path(name);
         let mut arguments = vec![
             "replay",
             "sdf",
@@ -122,11 +114,10 @@ fn the_same_session_gives_the_same_frames_and_a_head_turns_the_view() {
 
 #[test]
 fn what_cannot_be_replayed_is_told_in_a_line() {
-    let folder = tempfile::tempdir().unwrap();
+    let place = Place::new();
     let session = session();
-    let sheet = path(folder.path(), "sheet.png");
-    let broken = path(folder.path(), "broken.csv");
-    std::fs::write(&broken, "no gaze\n").unwrap();
+    let sheet = place.path("sheet.png");
+    let broken = place.write("broken.csv", "no gaze\n");
     for (arguments, code) in [
         (vec!["replay", "sdf", "--gaze-file", &session], 2),
         (vec!["replay", "sdf", "--gaze-file", "missing.csv", "--sheet", &sheet], 1),
