@@ -31,6 +31,9 @@ const vec3 SDF_SUN_RADIANCE = vec3(2.5, 2.15, 1.7);
 // Beyond this the floor is the horizon's colour anyway, metres.
 const float SDF_FAR = 400.0;
 const float SDF_INFINITE = 1e30;
+// The kinds whose distance is a convex function, a bit for each: all but frame, tori, link, ellipsoid,
+// solid angle and dented sphere.
+const uint SDF_CONVEX = 0xa7f87u;
 // How far each kind's middle lies below its box's, so that all solids stand on the floor.
 const float SDF_SINK[20] = float[20](0.1, 0.2, 0.15, 0.14, 0.06, 0.36, 0.04, 0.1, 0.1, 0.32,
                                      0.04, 0.18, 0.44, 0.02, 0.1, 0.38, 0.8, 0.06, 0.08, 0.03);
@@ -201,8 +204,9 @@ ivec2 sdf_cell(vec2 at)
 }
 
 // Follows a ray through the grid up to `end`. Returns the distance of the first solid, its cell in
-// `hit`, or SDF_INFINITE. `clearance` is the least share of the sun that passes what the ray passes by.
-float sdf_trace(vec3 origin, vec3 direction, float end, float pixel_angle_rad, out ivec2 hit,
+// `hit`, or SDF_INFINITE. `clearance` is the least share of the sun that passes what the ray passes by;
+// where it is not asked for (`leaps`), rays take larger steps towards convex solids, and none past them.
+float sdf_trace(vec3 origin, vec3 direction, float end, float pixel_angle_rad, bool leaps, out ivec2 hit,
                 out float clearance)
 {
     hit = ivec2(0);
@@ -227,6 +231,8 @@ float sdf_trace(vec3 origin, vec3 direction, float end, float pixel_angle_rad, o
     vec3 box_reach = SDF_BOX * abs(inverse);
     ivec2 current = cell;
     float box_end = -1.0;
+    float last_t = 0.0;
+    float last_free = -1.0; // none yet in this box
     bool going = true;
     for (int count = 0; count < SDF_STEPS && going; ++count) {
         // To the next box on the way; at most as many cells as a line can cross.
@@ -246,6 +252,7 @@ float sdf_trace(vec3 origin, vec3 direction, float end, float pixel_angle_rad, o
             if (box_start < box_leave) {
                 t = box_start;
                 box_end = box_leave;
+                last_free = -1.0;
                 break;
             }
             going = min(border.x, border.y) < end;
@@ -253,7 +260,8 @@ float sdf_trace(vec3 origin, vec3 direction, float end, float pixel_angle_rad, o
         if (!going || t >= box_end) {
             break;
         }
-        float free = sdf_solid(sdf_kind(current), origin + direction * t - sdf_centre(current));
+        int kind = sdf_kind(current);
+        float free = sdf_solid(kind, origin + direction * t - sdf_centre(current));
         // Half a pixel's width at this distance; never below what single precision resolves.
         if (free < max(0.5 * t * pixel_angle_rad, 2e-4)) {
             hit = current;
@@ -261,7 +269,18 @@ float sdf_trace(vec3 origin, vec3 direction, float end, float pixel_angle_rad, o
             return t;
         }
         clearance = min(clearance, SDF_SUN_SHARPNESS * free / max(t, 1e-3));
-        t += max(free, 1e-3);
+        float advance = max(free, 1e-3);
+        if (leaps && last_free >= 0.0 && (SDF_CONVEX >> kind & 1u) != 0u) {
+            // Along a line the distance to a convex solid is a convex function: it lies above the line
+            // through two of its values, beyond them. So where that line falls the solid is not before
+            // its zero, and where it rises there is no more solid.
+            float fall = (last_free - free) / (t - last_t);
+            advance = fall > 1e-3 ? max(advance, free / fall) : SDF_INFINITE;
+        }
+        last_t = t;
+        last_free = free;
+        // Not into the next box: its solid has not been asked yet.
+        t = min(t + advance, box_end);
     }
     return SDF_INFINITE;
 }
@@ -370,7 +389,7 @@ vec3 sdf_radiance(vec3 origin, vec3 direction, float pixel_angle_rad)
     float to_floor = direction.y < -1e-5 && origin.y > 0.0 ? -origin.y / direction.y : SDF_INFINITE;
     ivec2 cell;
     float unused;
-    float t = sdf_trace(origin, direction, min(to_floor, SDF_FAR), pixel_angle_rad, cell, unused);
+    float t = sdf_trace(origin, direction, min(to_floor, SDF_FAR), pixel_angle_rad, true, cell, unused);
     bool solid = t < SDF_INFINITE;
     vec3 sky = sdf_sky(direction);
     if (!solid && to_floor > SDF_FAR) {
@@ -397,7 +416,7 @@ vec3 sdf_radiance(vec3 origin, vec3 direction, float pixel_angle_rad)
     float sun;
     // Off the surface by more than the threshold of the ray that found it.
     vec3 start = position + normal * (2.5 * lift);
-    sdf_trace(start, SDF_SUN_DIRECTION, SDF_FAR, SDF_DARK_RAD, blocker, sun);
+    sdf_trace(start, SDF_SUN_DIRECTION, SDF_FAR, SDF_DARK_RAD, false, blocker, sun);
     sun = clamp(sun, 0.0, 1.0);
     sun *= sun * (3.0 - 2.0 * sun);
     float open = sdf_openness(position, normal);
