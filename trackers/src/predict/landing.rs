@@ -18,8 +18,9 @@ const COMPARED: usize = 12;
 /// Amplitudes tried: from what is covered already to [`REACH`] times that, evenly in the logarithm.
 const AMPLITUDES: usize = 20;
 const REACH: f64 = 8.0;
-/// No saccade is larger than the range of the eye from end to end, deg.
-const LARGEST_DEG: f64 = 100.0;
+/// The largest saccade thought of, deg. The eye turns at most about 50 degrees from straight ahead, and nearly
+/// all saccades stay far below that; without a bound a noisy onset lands anywhere.
+const LARGEST_DEG: f64 = 50.0;
 /// Durations tried for each, as deviations from the main sequence in standard deviations, and the
 /// logarithm of their prior weight.
 const DURATIONS: [f64; 5] = [-1.5, -0.75, 0.0, 0.75, 1.5];
