@@ -59,13 +59,14 @@ has_loader() {
   PATH="$PATH:/usr/sbin:/sbin" ldconfig -p 2>/dev/null | grep -c 'libvulkan\.so\.1 ' >/dev/null
 }
 
-# has_manifest KIND: whether the loader finds a manifest of this kind in the folders it searches.
+# has_manifest KIND NAME: whether the loader finds a manifest of this kind and name (a pattern) in the
+# folders it searches.
 has_manifest() {
   local base file
   local -a bases
   IFS=: read -r -a bases <<<"${XDG_CONFIG_HOME:-${HOME:-}/.config}:${XDG_CONFIG_DIRS:-/etc/xdg}:/etc:/usr/local/etc:${XDG_DATA_HOME:-${HOME:-}/.local/share}:${XDG_DATA_DIRS:-/usr/local/share:/usr/share}"
   for base in "${bases[@]}"; do
-    for file in "$base/vulkan/$1"/*.json; do
+    for file in "$base/vulkan/$1"/$2.json; do
       [ -e "$file" ] && return
     done
   done
@@ -82,7 +83,7 @@ has_driver() {
   done
   # These variables replace the search, so what they name and what is not there counts as missing.
   [ "${#named[@]}" -eq 0 ] || die "VK_DRIVER_FILES or VK_ICD_FILENAMES names no file that exists; mend or unset it"
-  has_manifest icd.d
+  has_manifest icd.d "*"
 }
 
 # A Vulkan loader and a driver; installs Mesa's only where there is none, so that no vendor's driver is
@@ -110,7 +111,7 @@ has_validation() {
   for folder in "${folders[@]}"; do
     [ -e "$folder/VkLayer_khronos_validation.json" ] && return
   done
-  has_manifest explicit_layer.d
+  has_manifest explicit_layer.d VkLayer_khronos_validation
 }
 
 ensure_validation() {

@@ -87,6 +87,8 @@ pub struct OffscreenRenderer {
     /// In turn, so that a frame can be recorded while the one before is rendered.
     commands: [vk::CommandBuffer; FRAME_SLOTS],
     current: usize,
+    /// The current frame is recorded and not yet submitted.
+    recorded: bool,
     /// Of the frame on its way, of which there is at most one: frames share their images.
     fence: vk::Fence,
     on_its_way: bool,
@@ -124,6 +126,7 @@ impl OffscreenRenderer {
             pool: vk::CommandPool::null(),
             commands: [vk::CommandBuffer::null(); FRAME_SLOTS],
             current: 0,
+            recorded: false,
             fence: vk::Fence::null(),
             on_its_way: false,
             context: context.clone(),
@@ -172,11 +175,15 @@ impl OffscreenRenderer {
     }
 
     /// Records a frame, while the frame before may still be rendered. Its gaze can be replaced by
-    /// [`Self::late_latch`] until [`Self::launch`].
+    /// [`Self::late_latch`] until [`Self::launch`]. A frame that was recorded and not launched is dropped.
     ///
     /// # Errors
-    /// [`crate::Error::Vulkan`].
+    /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
     pub fn record(&mut self, input: &FrameInput) -> Result<FrameSlot> {
+        if self.recorded {
+            // The buffers of the frame that is still on its way are next in turn.
+            self.wait()?;
+        }
         self.current = (self.current + 1) % FRAME_SLOTS;
         let commands = self.commands[self.current];
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
@@ -192,6 +199,7 @@ impl OffscreenRenderer {
             Context::check(device.begin_command_buffer(commands, &begin), rendering)?;
             let slot = self.renderer.record_frame(commands, input, &target);
             Context::check(device.end_command_buffer(commands), rendering)?;
+            self.recorded = true;
             Ok(slot)
         }
     }
@@ -201,12 +209,15 @@ impl OffscreenRenderer {
         self.renderer.late_latch(frame, gaze_px);
     }
 
-    /// Submits the recorded frame. Waits for the one before, if that is still on its way.
+    /// Submits the recorded frame, if there is one. Waits for the one before, if that is still on its way.
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
     pub fn launch(&mut self) -> Result<()> {
         self.wait()?;
+        if !std::mem::take(&mut self.recorded) {
+            return Ok(());
+        }
         let list = [self.commands[self.current]];
         let submits = [vk::SubmitInfo::default().command_buffers(&list)];
         let device = &self.context.device;

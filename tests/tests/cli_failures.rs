@@ -1,7 +1,6 @@
 //! Bad input: one clear line, the right exit code, and nothing half-written left behind.
 
 use macula_tests::cli::{Place, binary, failure, macula, run};
-use std::path::Path;
 use std::process::{Command, Stdio};
 
 const NO_DRIVER: [(&str, &str); 2] =

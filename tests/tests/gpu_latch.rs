@@ -95,3 +95,25 @@ fn a_frame_is_recorded_while_another_is_rendered() {
         assert!(&renderer.read_hdr().unwrap() == expected, "frame {index}");
     }
 }
+
+#[test]
+fn a_frame_that_is_not_launched_disturbs_none_that_is() {
+    let gpu = gpu();
+    let content = GpuContent::upload(&gpu, &Content::SdfPrimitives).unwrap();
+    let settings = settings(SIZE, 100.0, kfr(1.8, 4.0));
+    let mut renderer = OffscreenRenderer::new(&gpu, &content, &settings).unwrap();
+    let (rendered, dropped) = (DVec2::new(40.0, 30.0), DVec2::new(300.0, 170.0));
+    let expected = recorded(&mut renderer, rendered);
+    renderer.record(&input(rendered)).unwrap();
+    renderer.launch().unwrap();
+    for _ in 0..3 {
+        renderer.record(&input(dropped)).unwrap();
+    }
+    renderer.wait().unwrap();
+    assert!(renderer.read_hdr().unwrap() == expected, "another frame's picture");
+    renderer.record(&input(rendered)).unwrap();
+    renderer.launch().unwrap();
+    renderer.launch().unwrap();
+    renderer.wait().unwrap();
+    assert!(renderer.read_hdr().unwrap() == expected, "launched twice");
+}
