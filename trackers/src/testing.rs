@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 /// A file or folder of the shared data: in `MACULA_SHARED`, or else in `shared` beside the workspace or
 /// a folder above it. `None`, with a printed line, where it is absent.
-#[allow(dead_code)]
 pub fn shared(relative: &str) -> Option<PathBuf> {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
     let named = std::env::var_os("MACULA_SHARED").map(PathBuf::from);
@@ -21,7 +20,6 @@ pub fn shared(relative: &str) -> Option<PathBuf> {
 /// x exp(-x / fall) of van Opstal and van Gisbergen (1987), brought down to 0 at the end; summed up
 /// step by step. With a `fall` of 0.9 the peak lies at 0.37 of the duration, 1.57 times the mean speed; with
 /// 0.5 at 0.29 and 1.70 times.
-#[allow(dead_code)]
 pub fn gamma_saccade(share: f64, fall: f64) -> f64 {
     let speed = |x: f64| x * (-x / fall).exp() * (1.0 - x);
     let sum = |to: f64| (0..200).map(|step| speed(to * (f64::from(step) + 0.5) / 200.0)).sum::<f64>() * to;
