@@ -32,10 +32,10 @@
 //! (on UDP, when it has been silent for two seconds). What others send meanwhile is rejected, as is what
 //! is no such object.
 //!
-//! From a shell, a sample for a socket at `/tmp/gaze`, and one for port 5005:
+//! From a shell, a sample for a socket `gaze.sock`, and one for port 5005:
 //!
 //! ```text
-//! python3 -c 'import socket; s = socket.socket(socket.AF_UNIX); s.connect("/tmp/gaze"); s.sendall(b"{\"point\": [0.5, 0.5]}\n")'
+//! python3 -c 'import socket; s = socket.socket(socket.AF_UNIX); s.connect("gaze.sock"); s.sendall(b"{\"point\": [0.5, 0.5]}\n")'
 //! python3 -c 'import socket; socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b"{\"point\": [0.5, 0.5]}", ("127.0.0.1", 5005))'
 //! ```
 

@@ -31,7 +31,7 @@ Elsewhere, or with --json, each line of stdout is a JSON object with a `type`:
 
 Examples:
   macula gaze monitor
-  macula gaze monitor --bridge unix:/tmp/gaze
+  macula gaze monitor --bridge unix:gaze.sock
   macula gaze monitor --replay session.csv --speed 0.5
   macula gaze monitor --synth vr-exploration --seconds 10 --json";
 
