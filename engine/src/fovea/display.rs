@@ -100,6 +100,28 @@ impl DisplayGeometry {
         gaze.cross(difference).length().atan2(gaze.dot(ray))
     }
 
+    /// Display steps, px, of one degree away from the gaze along the great circle through it, and of
+    /// one degree across that circle, both to first order. `None` at the gaze itself.
+    #[must_use]
+    pub fn steps_per_degree(&self, gaze_px: DVec2, px: DVec2) -> Option<(DVec2, DVec2)> {
+        let (gaze, ray) = (self.ray_of_px(gaze_px).normalize(), self.ray_of_px(px));
+        let across = gaze.cross(ray).normalize_or_zero();
+        if across == DVec3::ZERO {
+            return None;
+        }
+        let outward = across.cross(ray).normalize();
+        // A turn by a small angle moves the ray's end by its length; the display's plane is z = -1.
+        let step = |direction: DVec3| {
+            let moved = direction * (ray.length() * 1f64.to_radians());
+            let on_plane = moved + ray * moved.z;
+            DVec2::new(
+                on_plane.x / (self.tan_right - self.tan_left),
+                on_plane.y / (self.tan_down - self.tan_up),
+            ) * self.size_dvec2_px()
+        };
+        Some((step(outward), step(across)))
+    }
+
     /// Distance from a position to the corner of the display farthest from it, px. The position may
     /// lie off the display.
     #[must_use]
