@@ -2,6 +2,7 @@
 //! Pure functions in double precision, without Vulkan; `shaders/shared/fovea.glsl` is the twin in
 //! single precision, and tests hold the two together.
 
+mod acuity;
 mod display;
 mod kernel;
 mod kfr;
@@ -10,6 +11,7 @@ mod params;
 #[cfg(test)]
 mod tests;
 
+pub use acuity::AcuityModel;
 pub use display::DisplayGeometry;
 pub use kernel::{Kernel, MAX_COEFFICIENTS};
 pub use kfr::{KfrMapping, LpCoord, LpJacobian};
