@@ -184,7 +184,7 @@ impl EffectPlan {
             );
             self.post_filter =
                 d.setting("post filter", kfr.post_filter, "switched on (Eq. 2.14)", "not switched on");
-        } else {
+        } else if !settings.foveated() {
             d.setting("foveation", false, "", "full shading was asked for");
         }
         d.setting("motion vectors", false, "", "nothing reads them");

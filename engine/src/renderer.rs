@@ -2,6 +2,7 @@
 //! nothing of the host's; recording a frame allocates nothing and makes no Vulkan object.
 
 mod camera;
+mod foveation;
 mod frame_data;
 mod graph_of;
 
@@ -9,7 +10,7 @@ pub use camera::{CameraFrame, NEAR_M};
 
 use crate::content::{GpuContent, GpuScene};
 use crate::error::{Error, Result};
-use crate::fovea::{DisplayGeometry, FoveaParams, GazeKeeper, Kernel, KfrMapping};
+use crate::fovea::{DisplayGeometry, GazeKeeper};
 use crate::gpu::Context;
 use crate::gpu::pipeline::FRAME_SLOTS;
 use crate::gpu::structs::{FrameParams, SampleCounts};
@@ -18,9 +19,10 @@ use crate::graph::Plan;
 use crate::host::TargetImage;
 use crate::passes::{FrameArgs, FrameBuffers, Targets};
 use crate::plan::EffectPlan;
-use crate::settings::{Method, RenderSettings};
+use crate::settings::RenderSettings;
 use crate::stats::{EffectNote, Effects, FrameStats, LpStats, PassTime};
 use ash::vk;
+use foveation::Foveation;
 use glam::{DMat4, DVec2, DVec3};
 use macula_trackers::GazeEstimate;
 use std::mem::offset_of;
@@ -69,8 +71,7 @@ pub struct Renderer {
     order: Vec<(f64, u32)>,
     slots: [SlotState; FRAME_SLOTS],
     frame_index: u32,
-    /// The native disc of any gaze on the display is at most as wide, radius in px.
-    widest_disc_px: f32,
+    foveation: Foveation,
     context: Arc<Context>,
 }
 
@@ -85,8 +86,11 @@ struct SlotState {
     gaze_held: bool,
     blended: usize,
     recorded: bool,
-    /// The native disc that the recorded dispatches have room for, radius in px.
-    widest_disc_px: f32,
+    /// The native box that the recorded dispatches have room for, px.
+    box_px: [u32; 2],
+    /// Columns in use, and their texels.
+    columns: u32,
+    texels: u64,
 }
 
 impl Renderer {
@@ -108,16 +112,28 @@ impl Renderer {
             GpuContent::Scene(scene) => EffectPlan::of_scene(&scene.features, &scene.lights, settings),
             GpuContent::SdfPrimitives => EffectPlan::of_sdf(settings),
         };
-        let targets = Arc::new(graph_of::make_targets(context, content, settings, &effects)?);
-        let buffers = FrameBuffers::new(context, content, effects.shadow_views)?;
-        let plan = graph_of::bake(context, content, settings, &effects, &targets, &buffers, format)?;
+        let mut foveation = Foveation::new(settings);
+        let room = foveation.room();
+        let targets = Arc::new(graph_of::make_targets(context, content, settings, &effects, room)?);
+        let mut buffers = FrameBuffers::new(context, content, effects.shadow_views, &room)?;
+        foveation.write_tables(&mut buffers);
+        let plan = graph_of::bake(
+            context,
+            content,
+            settings,
+            &effects,
+            &targets,
+            &buffers,
+            format,
+            foveation.kind(),
+        )?;
         let passes = u32::try_from(plan.steps().len()).unwrap_or(u32::MAX);
         let times = Timestamps::new(context, passes, FRAME_SLOTS as u32)?;
         let instances = match content {
             GpuContent::Scene(scene) => scene.instances.len(),
             GpuContent::SdfPrimitives => 0,
         };
-        let mut made = Self {
+        Ok(Self {
             settings: settings.clone(),
             content: match content {
                 GpuContent::Scene(scene) => Content::Scene(scene.clone()),
@@ -136,17 +152,15 @@ impl Renderer {
                 opaque: Vec::with_capacity(instances),
                 blended: Vec::with_capacity(instances),
                 shadow_views: if effects.shadows { effects.shadow_views } else { 0 },
-                native_box_px: 0,
+                native_box_px: [0, 0],
             },
             order: Vec::with_capacity(instances),
             slots: [SlotState::default(); FRAME_SLOTS],
             frame_index: 0,
-            widest_disc_px: 0.0,
+            foveation,
             effects,
             context: context.clone(),
-        };
-        made.widest_disc_px = made.widest_disc_px();
-        Ok(made)
+        })
     }
 
     /// Records a frame. The host submits, and waits for the slot's earlier frame before it records
@@ -163,9 +177,11 @@ impl Renderer {
         self.args.target = *target;
         let camera = CameraFrame::new(&self.settings.display, &input.world_from_view);
         self.args.eye = camera.eye;
-        let fovea = self.fovea_params(gaze_px);
-        let widest_disc_px = self.widest_disc_px.max(fovea.ring[0]);
-        self.args.native_box_px = (2.0 * widest_disc_px).ceil() as u32 + 2;
+        let fovea = self.foveation.params(gaze_px);
+        let [x0, y0, x1, y1] = fovea.native_box;
+        let widest_px = self.foveation.widest_box_px();
+        self.args.native_box_px =
+            [widest_px[0].max((x1 - x0).unsigned_abs()), widest_px[1].max((y1 - y0).unsigned_abs())];
         self.buffers.fovea[slot].write(0, &[fovea]);
         match &self.content {
             Content::Scene(scene) => {
@@ -191,8 +207,14 @@ impl Renderer {
         let frame = camera.params(&self.settings, gaze_px, &self.effects, environment);
         self.buffers.frame[slot].write(0, &[frame]);
         self.buffers.findings[slot].write(0, &[0u32; 4]);
-        self.slots[slot] =
-            SlotState { gaze_held: !valid, blended: self.args.blended.len(), recorded: true, widest_disc_px };
+        self.slots[slot] = SlotState {
+            gaze_held: !valid,
+            blended: self.args.blended.len(),
+            recorded: true,
+            box_px: self.args.native_box_px,
+            columns: fovea.size[2],
+            texels: self.foveation.texels_in_use(&fovea),
+        };
         self.plan.record(&self.context, commands, &self.times, slot as u32, &self.args);
         self.frame_index = self.frame_index.wrapping_add(1);
         FrameSlot(slot)
@@ -210,38 +232,12 @@ impl Renderer {
         }
         let (gaze_px, _) = self.keeper.accept(gaze_px);
         self.slots[slot].gaze_held = false;
-        let mut fovea = self.fovea_params(gaze_px);
-        fovea.ring[0] = fovea.ring[0].min(self.slots[slot].widest_disc_px);
+        let fovea = self.foveation.params(gaze_px).within_box(self.slots[slot].box_px);
+        self.slots[slot].columns = fovea.size[2];
+        self.slots[slot].texels = self.foveation.texels_in_use(&fovea);
         self.buffers.fovea[slot].write(0, &[fovea]);
         let gaze = [gaze_px.x as f32, gaze_px.y as f32];
         self.buffers.frame[slot].write(offset_of!(FrameParams, gaze), &[gaze]);
-    }
-
-    /// Of gazes on a grid over the display: the radius changes slowly with the gaze, and is greatest for
-    /// the centre, the edges' middles or the corners.
-    fn widest_disc_px(&self) -> f32 {
-        let size = DVec2::from_array(self.settings.display.size_px.map(f64::from));
-        let gazes = (0..25).map(|index| DVec2::new(f64::from(index % 5), f64::from(index / 5)) / 4.0 * size);
-        gazes.map(|gaze_px| self.fovea_params(gaze_px).ring[0]).fold(0.0, f32::max)
-    }
-
-    /// The mapping for a gaze, with its native disc.
-    fn fovea_params(&self, gaze_px: DVec2) -> FoveaParams {
-        let display = self.settings.display.size_px;
-        let (kernel, sigma, lp_filter) = match &self.settings.method {
-            Method::Kfr(kfr) => (kfr.kernel, kfr.sigma, kfr.lp_filter),
-            Method::Full => (Kernel::Sine, 1.0, false),
-        };
-        let mapping = KfrMapping::new(display, gaze_px, kernel, sigma);
-        let mut params = FoveaParams::new(&mapping);
-        let disc_px = native_radius_px(&self.settings.display, gaze_px, f64::from(params.ring[0]));
-        // The sample list's room for native pixels bounds the disc.
-        let most_px = (f64::from(self.targets.native_capacity) / std::f64::consts::PI).sqrt() - 1.0;
-        params.ring[0] = (disc_px as f32).min(most_px.max(0.0) as f32);
-        if !lp_filter {
-            params.ring[2] = 1.0;
-        }
-        params
     }
 
     /// Figures of a frame that the GPU has finished.
@@ -270,7 +266,7 @@ impl Renderer {
             Content::Scene(_) => 1,
             Content::Sdf => u64::from(self.settings.samples_per_pixel),
         };
-        let lp = matches!(self.settings.method, Method::Kfr(_)).then(|| self.lp_stats(slot));
+        let lp = self.settings.foveated().then(|| self.lp_stats(slot));
         let samples = match &lp {
             Some(lp) => lp.shaded + lp.native_pixels,
             None => u64::from(width) * u64::from(height),
@@ -292,13 +288,14 @@ impl Renderer {
     fn lp_stats(&self, slot: usize) -> LpStats {
         let bytes = &self.buffers.stats[slot].bytes()[..size_of::<SampleCounts>()];
         let counts: SampleCounts = bytemuck::pod_read_unaligned(bytes);
-        let [width, height] = self.targets.lp_size;
+        let [_, height] = self.targets.lp_size;
         LpStats {
-            width,
+            width: self.slots[slot].columns,
             height,
-            texels: u64::from(width) * u64::from(height),
+            texels: self.slots[slot].texels,
             on_display: u64::from(counts.on_display),
             shaded: u64::from(counts.shaded_texels),
+            shaded_on_display: u64::from(counts.shaded_on_display),
             native_pixels: u64::from(counts.native_pixels),
         }
     }
@@ -337,25 +334,6 @@ impl Renderer {
     pub(crate) fn targets(&self) -> &Targets {
         &self.targets
     }
-}
-
-/// Eccentricity that the native disc should cover, degrees: the fovea and the parafovea.
-const NATIVE_DEG: f64 = 5.0;
-
-/// How much the disc may grow beyond the radius inside which texels are smaller than pixels. Farther
-/// out the mapping was asked to be coarse.
-const NATIVE_GROWTH: f64 = 1.5;
-
-/// Radius of the native disc, px: the mapping's own, or a little more where the gaze is off the view
-/// axis and a degree holds more pixels than at the display's centre.
-fn native_radius_px(display: &DisplayGeometry, gaze_px: DVec2, mapping_px: f64) -> f64 {
-    let gaze = display.ray_of_px(gaze_px).normalize();
-    // Pixels to a degree grow away from the view axis, so the farthest point of the cone around the
-    // gaze lies on the side that is away from it.
-    let outwards = (gaze.truncate().extend(0.0)).reject_from_normalized(gaze).normalize_or(DVec3::X);
-    let edge = gaze + outwards * NATIVE_DEG.to_radians().tan();
-    let wanted_px = display.px_of_ray(edge).map_or(f64::INFINITY, |px| px.distance(gaze_px));
-    mapping_px.max(wanted_px.min(NATIVE_GROWTH * mapping_px))
 }
 
 /// Stands in before the first frame.

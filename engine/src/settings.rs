@@ -1,7 +1,7 @@
 //! What a caller asks of the renderer, checked before anything is built.
 
 use crate::error::{Error, Result};
-use crate::fovea::{DisplayGeometry, Kernel};
+use crate::fovea::{AcuityModel, DisplayGeometry, Kernel, VafrForm};
 use serde::Serialize;
 
 /// How the picture is shaded.
@@ -11,6 +11,8 @@ pub enum Method {
     Full,
     /// Kernel foveated rendering.
     Kfr(KfrSettings),
+    /// Visual-acuity-consistent foveated rendering.
+    Vafr(VafrSettings),
 }
 
 /// Kernel foveated rendering (thesis of 2018, section 2).
@@ -30,6 +32,22 @@ impl Default for KfrSettings {
     /// The values that the thesis' user study chose: sigma 1.8, alpha 4.
     fn default() -> Self {
         Self { sigma: 1.8, kernel: Kernel::Power { alpha: 4.0 }, lp_filter: true, post_filter: false }
+    }
+}
+
+/// Visual-acuity-consistent foveated rendering (VaFR, 2025).
+#[derive(Clone, Debug, PartialEq)]
+pub struct VafrSettings {
+    /// On the sphere around the gaze ray with a native disc, or the paper's planar form.
+    pub form: VafrForm,
+    /// The acuity whose samples are shaded.
+    pub acuity: AcuityModel,
+}
+
+impl Default for VafrSettings {
+    /// On the sphere, with the paper's acuity model.
+    fn default() -> Self {
+        Self { form: VafrForm::Sphere, acuity: AcuityModel::vafr_2025() }
     }
 }
 
@@ -107,7 +125,7 @@ impl RenderSettings {
     /// Shading is foveated.
     #[must_use]
     pub fn foveated(&self) -> bool {
-        matches!(self.method, Method::Kfr(_))
+        !matches!(self.method, Method::Full)
     }
 
     /// Checks the ranges that do not depend on a device.

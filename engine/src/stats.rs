@@ -34,17 +34,19 @@ pub struct Effects {
 /// The LP-buffer's size and use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct LpStats {
-    /// Columns (along the radius).
+    /// Columns in use at this gaze, from the gaze outwards.
     pub width: u32,
-    /// Rows (along the angle).
+    /// Texels of the highest column.
     pub height: u32,
-    /// `width * height`.
+    /// Texels of the columns in use.
     pub texels: u64,
     /// Texels whose centre lies on the display.
     pub on_display: u64,
     /// Texels that were shaded: on the display or needed to interpolate at its border, and outside
     /// the native disc.
     pub shaded: u64,
+    /// Shaded texels whose centre lies on the display.
+    pub shaded_on_display: u64,
     /// Display pixels around the gaze that were shaded directly.
     pub native_pixels: u64,
 }

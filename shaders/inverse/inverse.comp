@@ -1,5 +1,6 @@
-// From the LP-buffer to the display: bilinear among the four nearest texels, wrapping in v. Inside the
-// native disc the display image already holds the pixel; over a narrow band the two are blended.
+// From the LP-buffer to the display: linear within each of the two nearest columns, then across them, as
+// neighbouring columns may differ in height. Where pixels are shaded themselves the display image already
+// holds them; over a narrow band the two are blended.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
@@ -15,6 +16,11 @@ layout(set = 0, binding = 0) uniform Fovea { FoveaParams fovea; };
 layout(set = 0, binding = 1) uniform texture2D lp;
 layout(set = 0, binding = 2) uniform texture2D lp_filtered;
 layout(set = 0, binding = 3, rgba16f) uniform image2D hdr;
+layout(set = 0, binding = 4, std430) readonly buffer ForwardTable { vec2 forward_table[]; };
+#define LP_TABLES_BINDING 5
+#include "shared/lp_tables.glsl"
+#define MAPPING_FORWARD
+#include "shared/mapping.glsl"
 
 vec4 fetch(ivec2 texel) {
     return texel.x >= first_filtered_column(fovea)
@@ -22,23 +28,36 @@ vec4 fetch(ivec2 texel) {
         : texelFetch(lp, texel, 0);
 }
 
-vec4 reconstruct(vec2 uv) {
-    ivec2 size = ivec2(fovea.size.zw);
-    vec2 at = uv - 0.5;
-    vec2 base = floor(at);
-    vec2 f = at - base;
-    int u0 = clamp(int(base.x), 0, size.x - 1);
-    int u1 = clamp(int(base.x) + 1, 0, size.x - 1);
-    // v lies in [0, height): its neighbours wrap at most once.
-    int v0 = int(base.y);
-    v0 = v0 < 0 ? v0 + size.y : (v0 >= size.y ? v0 - size.y : v0);
-    int v1 = v0 + 1 >= size.y ? 0 : v0 + 1;
-    vec4 sum = (1.0 - f.x) * (1.0 - f.y) * fetch(ivec2(u0, v0));
-    sum += f.x * (1.0 - f.y) * fetch(ivec2(u1, v0));
-    sum += (1.0 - f.x) * f.y * fetch(ivec2(u0, v1));
-    sum += f.x * f.y * fetch(ivec2(u1, v1));
-    // Alpha 0 marks texels that were not shaded. Where all four are, alpha stays 0: a hole, which
-    // the check of finite values counts.
+// A column's value at a share of its height.
+vec4 in_column(int u, float v_share) {
+    float height = column_height(uint(u));
+    int last = int(height) - 1;
+    float at = v_share * height - 0.5;
+    float base = floor(at);
+    float f = at - base;
+    int v0 = int(base);
+    int v1 = v0 + 1;
+    if (MAPPING_KIND == MAPPING_AXES) {
+        v0 = clamp(v0, 0, last);
+        v1 = clamp(v1, 0, last);
+    } else {
+        // The share lies in 0..=1: neighbours wrap at most once.
+        v0 = v0 < 0 ? v0 + last + 1 : v0;
+        v1 = v1 > last ? 0 : v1;
+    }
+    // Colours of texels that were not shaded are 0, like their alpha.
+    return (1.0 - f) * fetch(ivec2(u, v0)) + f * fetch(ivec2(u, v1));
+}
+
+vec4 reconstruct(LpLookup lookup) {
+    float at = lookup.u - 0.5;
+    float base = floor(at);
+    float f = at - base;
+    int u0 = int(clamp(base, lookup.columns.x, lookup.columns.y));
+    int u1 = int(clamp(base + 1.0, lookup.columns.x, lookup.columns.y));
+    vec4 sum = (1.0 - f) * in_column(u0, lookup.v_share) + f * in_column(u1, lookup.v_share);
+    // Alpha 0 marks texels that were not shaded: dividing leaves them out. Where all four are, alpha
+    // stays 0: a hole, which the check of finite values counts.
     return sum.a > 0.0 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0);
 }
 
@@ -47,15 +66,14 @@ void main() {
     if (any(greaterThanEqual(uvec2(px), fovea.size.xy))) {
         return;
     }
-    vec2 centre = vec2(px) + 0.5;
-    float r = distance(centre, fovea.gaze_px.xy);
-    float into_band = (r - (fovea.ring.x - fovea.ring.y)) / fovea.ring.y;
-    if (into_band <= 0.0) {
+    LpLookup lookup;
+    float past_native = mapping_forward(vec2(px) + 0.5, lookup);
+    if (past_native <= 0.0) {
         return;
     }
-    vec4 color = reconstruct(fovea_forward_texels(fovea, centre));
-    if (r < fovea.ring.x) {
-        color = mix(imageLoad(hdr, px), color, smoothstep(0.0, 1.0, into_band));
+    vec4 color = reconstruct(lookup);
+    if (past_native < 1.0) {
+        color = mix(imageLoad(hdr, px), color, smoothstep(0.0, 1.0, past_native));
     }
     imageStore(hdr, px, color);
 }

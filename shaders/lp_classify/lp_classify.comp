@@ -1,5 +1,5 @@
-// Which samples the frame needs: LP texels that the inverse pass will read, and the display pixels of
-// the native disc. One dispatch for each kind (`mode`), both append to the same list.
+// Which samples the frame needs: LP texels that the inverse pass will read, and the display pixels that
+// are shaded themselves. One dispatch for each kind (`mode`), both append to the same list.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/fovea.glsl"
@@ -9,14 +9,18 @@ layout(set = 0, binding = 0) uniform Fovea { FoveaParams fovea; };
 layout(set = 0, binding = 1, std430) writeonly buffer SampleList { uint samples[]; };
 layout(set = 0, binding = 2, std430) buffer Counts { SampleCounts counts; };
 layout(set = 0, binding = 3, rgba16f) uniform writeonly image2D lp;
-layout(set = 0, binding = 4, std430) readonly buffer LpTables { vec4 lp_tables[]; };
+#define LP_TABLES_BINDING 4
 #include "shared/lp_tables.glsl"
+layout(set = 0, binding = 5, std430) readonly buffer ForwardTable { vec2 forward_table[]; };
+#define MAPPING_FORWARD
+#include "shared/mapping.glsl"
 layout(push_constant) uniform Push { uint mode; }; // 0: LP texels, 1: native pixels
 
 const uint MODE_TEXELS = 0u;
 
 shared uint group_count;
 shared uint group_on_display;
+shared uint group_shaded_on_display;
 shared uint group_first;
 
 // Distance of a point to the display, px; 0 inside.
@@ -25,21 +29,27 @@ float outside_px(vec2 px) {
     return length(max(max(-px, px - size), vec2(0.0)));
 }
 
-// A texel is read if its own or a neighbouring texel's area touches the display outside the disc.
+// A texel is read if a pixel of the display that is not wholly native interpolates with it.
 bool texel_needed(uvec2 texel, out bool on_display) {
-    vec4 radii = column_radii_px(texel.x);
-    vec2 px = row_direction(texel.y) * radii.x + fovea.gaze_px.xy;
-    on_display = all(greaterThanEqual(px, vec2(0.0))) && all(lessThan(px, fovea.size_f.zw));
-    // A pixel reads the four texels around it: those whose centres are less than a texel away.
-    vec2 step_px = vec2(radii.w - radii.x, row_height_px(radii.w));
-    float disc = fovea.ring.x - fovea.ring.y;
-    return radii.w + 1.0 >= disc && outside_px(px) <= length(step_px) + 1.0;
+    TexelReach reach = texel_reach(texel);
+    on_display = all(greaterThanEqual(reach.px, vec2(0.0))) && all(lessThan(reach.px, fovea.size_f.zw));
+    return reach.into >= 0.0 && outside_px(reach.px) <= reach.reach_px;
+}
+
+// A pixel is shaded itself where the picture does not come from the LP-buffer alone.
+bool pixel_needed(ivec2 px) {
+    if (any(lessThan(px, ivec2(0))) || any(greaterThanEqual(px, ivec2(fovea.size.xy)))) {
+        return false;
+    }
+    LpLookup unused;
+    return mapping_forward(vec2(px) + 0.5, unused) < 1.0;
 }
 
 void main() {
     if (gl_LocalInvocationIndex == 0u) {
         group_count = 0u;
         group_on_display = 0u;
+        group_shaded_on_display = 0u;
     }
     barrier();
     bool needed = false;
@@ -47,7 +57,7 @@ void main() {
     uint entry = 0u;
     if (mode == MODE_TEXELS) {
         uvec2 texel = gl_GlobalInvocationID.xy;
-        if (all(lessThan(texel, fovea.size.zw))) {
+        if (texel.x < fovea.size.z && float(texel.y) < column_height(texel.x)) {
             needed = texel_needed(texel, on_display);
             entry = texel.y * fovea.size.z + texel.x;
             if (!needed) {
@@ -56,16 +66,18 @@ void main() {
             }
         }
     } else {
-        // The disc's box, at least as large as the dispatch.
-        ivec2 px = ivec2(floor(fovea.gaze_px.xy - fovea.ring.x)) + ivec2(gl_GlobalInvocationID.xy);
-        if (all(greaterThanEqual(px, ivec2(0))) && all(lessThan(px, ivec2(fovea.size.xy)))) {
-            needed = distance(vec2(px) + 0.5, fovea.gaze_px.xy) < fovea.ring.x;
+        ivec2 px = fovea.native_box.xy + ivec2(gl_GlobalInvocationID.xy);
+        if (all(lessThan(px, fovea.native_box.zw))) {
+            needed = pixel_needed(px);
             entry = NATIVE_SAMPLE | (uint(px.y) * fovea.size.x + uint(px.x));
         }
     }
     uint place = needed ? atomicAdd(group_count, 1u) : 0u;
     if (on_display) {
         atomicAdd(group_on_display, 1u);
+        if (needed) {
+            atomicAdd(group_shaded_on_display, 1u);
+        }
     }
     barrier();
     if (gl_LocalInvocationIndex == 0u) {
@@ -73,6 +85,7 @@ void main() {
         if (mode == MODE_TEXELS) {
             atomicAdd(counts.shaded_texels, group_count);
             atomicAdd(counts.on_display, group_on_display);
+            atomicAdd(counts.shaded_on_display, group_shaded_on_display);
         } else {
             atomicAdd(counts.native_pixels, group_count);
         }

@@ -23,4 +23,5 @@ void main() {
     counts.on_display = 0u;
     counts.shaded_texels = 0u;
     counts.native_pixels = 0u;
+    counts.shaded_on_display = 0u;
 }

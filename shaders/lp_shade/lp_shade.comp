@@ -13,8 +13,7 @@ void main() {
         px = native_px(entry);
     } else {
         // The texel's centre may lie just outside the display: the inverse pass interpolates with it.
-        uvec2 texel = uvec2(lp_texel(entry));
-        vec2 at = row_direction(texel.y) * column_radii_px(texel.x).x + fovea.gaze_px.xy;
+        vec2 at = texel_px(uvec2(lp_texel(entry)));
         px = clamp(ivec2(floor(at)), ivec2(0), ivec2(fovea.size.xy) - 1);
     }
     vec4 radiance = vec4(shade_px(wanted, px), 1.0);

@@ -1,4 +1,4 @@
-// The mapping taken apart: a texel's radius depends on its column only, its direction on its row only.
+// The KFR mapping taken apart: a texel's radius depends on its column only, its direction on its row only.
 // So the passes that go through all texels look both up instead of computing them millions of times.
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -17,10 +17,12 @@ void main() {
     uvec2 size = fovea.size.zw;
     if (index < size.x) {
         float u = float(index);
-        lp_tables[index] = vec4(radius_px(u + 0.5), radius_px(u), radius_px(u + 1.0), radius_px(u + 1.5));
+        // Inner edge, centre, outer edge, half a texel beyond.
+        lp_tables[2u * index] = vec4(radius_px(u), radius_px(u + 0.5), radius_px(u + 1.0), radius_px(u + 1.5));
+        lp_tables[2u * index + 1u] = vec4(0.0, 0.0, fovea.size_f.y, 0.0);
     } else if (index < size.x + size.y) {
         float v = float(index - size.x) + 0.5;
         vec2 offset = fovea_inverse_offset(fovea, vec2(fovea.size_f.x, v));
-        lp_tables[index] = vec4(offset / max(length(offset), 1e-6), 0.0, 0.0);
+        lp_tables[size.x + index] = vec4(offset / max(length(offset), 1e-6), 0.0, 0.0);
     }
 }

@@ -38,6 +38,15 @@ struct FoveaParams {
     vec4 ring;      // native radius (px), blend band (px), u_norm of the filter's start, reach (px)
     vec4 beta_hi[2];
     vec4 beta_lo[2];
+    // The other methods; mapping.glsl reads these.
+    vec4 base_px;      // origin of offsets on the display: x hi, y hi, x lo, y lo
+    vec4 ray_rows[3];  // ray in the gaze's frame from (offset, 1)
+    vec4 px_rows[3];   // the inverse
+    vec4 table;        // knots per unit, last knot, px per unit of the plane at distance 1, 1 / native band
+    ivec4 native_box;  // first px, end px
+    vec4 native_rect;  // x0, y0, x1, y1 in px
+    vec4 layer_rect;   // of the finer layer
+    vec4 axes;         // blend band (px), 0, columns of the finer layer, start of the coarser one's table
 };
 
 // A normalised LP position: hi and lo of u in 0..=1, hi and lo of v in [0, 1).

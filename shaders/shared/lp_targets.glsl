@@ -5,8 +5,9 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 9) uniform Fovea { FoveaParams fovea; };
 layout(set = 0, binding = 10, std430) readonly buffer SampleList { uint samples[]; };
 layout(set = 0, binding = 11, std430) readonly buffer Indirect { uint groups_x; uint groups_y; uint groups_z; uint sample_count; };
-layout(set = 0, binding = 14, std430) readonly buffer LpTables { vec4 lp_tables[]; };
+#define LP_TABLES_BINDING 14
 #include "shared/lp_tables.glsl"
+#include "shared/mapping.glsl"
 layout(set = 0, binding = 12, rgba16f) uniform writeonly image2D lp;
 layout(set = 0, binding = 13, rgba16f) uniform writeonly image2D hdr;
 

@@ -12,4 +12,8 @@ struct SampleCounts {
     uint on_display;        // LP texels whose centre lies on the display
     uint shaded_texels;     // LP texels in the list
     uint native_pixels;     // display pixels in the list
+    uint shaded_on_display; // of the LP texels in the list, those whose centre lies on the display
+    uint pad0;
+    uint pad1;
+    uint pad2;
 };

@@ -3,7 +3,8 @@
 use crate::failure::Failure;
 use crate::options::KernelArgs;
 use clap::{Args, ValueEnum};
-use macula::settings::{KfrSettings, Method};
+use macula::fovea::VafrForm;
+use macula::settings::{KfrSettings, Method, VafrSettings};
 
 /// The methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -12,6 +13,10 @@ pub enum MethodName {
     Full,
     /// Kernel foveated rendering
     Kfr,
+    /// As dense as the eye's acuity on the sphere around the gaze, and native pixels around it
+    Vafr,
+    /// As published: planar distances from the gaze
+    VafrPlanar,
 }
 
 /// The method with its parameters.
@@ -39,6 +44,8 @@ impl ShadingArgs {
         match self.method {
             MethodName::Full => "full",
             MethodName::Kfr => "kfr",
+            MethodName::Vafr => "vafr",
+            MethodName::VafrPlanar => "vafr-planar",
         }
     }
 
@@ -47,6 +54,12 @@ impl ShadingArgs {
     /// # Errors
     /// [`Failure::Usage`] for a parameter that belongs to another method or is out of range.
     pub fn method(&self) -> Result<Method, Failure> {
+        if self.method == MethodName::Vafr {
+            return Ok(Method::Vafr(VafrSettings::default()));
+        }
+        if self.method == MethodName::VafrPlanar {
+            return Ok(Method::Vafr(VafrSettings { form: VafrForm::Planar, ..VafrSettings::default() }));
+        }
         if self.method == MethodName::Full {
             let of_kfr = [
                 (self.sigma.is_some(), "--sigma"),

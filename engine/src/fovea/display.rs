@@ -135,6 +135,20 @@ impl DisplayGeometry {
         self.size_dvec2_px() / 2.0
     }
 
+    /// Width and height of a pixel on the plane at distance 1.
+    #[must_use]
+    pub fn tangents_per_px(&self) -> DVec2 {
+        DVec2::new(self.tan_right - self.tan_left, self.tan_up - self.tan_down) / self.size_dvec2_px()
+    }
+
+    /// Pixels per steradian at a ray of [`Self::ray_of_px`] of this length: a pixel's solid angle falls
+    /// with the cube of the distance.
+    #[must_use]
+    pub fn pixels_per_steradian(&self, ray_length: f64) -> f64 {
+        let pixel = self.tangents_per_px();
+        ray_length.powi(3) / (pixel.x * pixel.y)
+    }
+
     fn size_dvec2_px(&self) -> DVec2 {
         size_dvec2_px(self.size_px)
     }

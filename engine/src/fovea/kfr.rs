@@ -7,7 +7,7 @@ use glam::DVec2;
 use std::f64::consts::TAU;
 
 /// The native disc's least radius, px. It covers the fovea hole: the mapping is singular at 1 px.
-const LEAST_NATIVE_RADIUS_PX: f64 = 3.0;
+pub(super) const LEAST_NATIVE_RADIUS_PX: f64 = 3.0;
 
 /// The least distance to the farthest corner, px, so that its logarithm stays away from 0 on a
 /// display of a single pixel.

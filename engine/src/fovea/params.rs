@@ -1,7 +1,9 @@
 //! What the shaders need to know of the mapping.
 
 use super::kernel::{Kernel, MAX_COEFFICIENTS};
-use super::kfr::KfrMapping;
+use super::kfr::{KfrMapping, LEAST_NATIVE_RADIUS_PX};
+use super::radial::{FORWARD_KNOTS, INVERSE_NATIVE_BAND, RadialMapping, forward_reach};
+use bytemuck::Zeroable;
 use glam::DVec2;
 use std::f64::consts::{LN_2, LOG2_E};
 
@@ -40,6 +42,24 @@ pub struct FoveaParams {
     pub beta_hi: [[f32; 4]; 2],
     /// `beta_0` to `beta_7`, lo.
     pub beta_lo: [[f32; 4]; 2],
+    /// Where the offsets of the gaze's frame are counted from, px: x hi, y hi, x lo, y lo.
+    pub base_px: [f32; 4],
+    /// Rows of the matrix from `(offset, 1)` to the ray in the gaze's frame.
+    pub ray_rows: [[f32; 4]; 3],
+    /// Rows of its inverse.
+    pub px_rows: [[f32; 4]; 3],
+    /// Radial methods: knots of the forward table per unit of its abscissa, its last knot, pixels per
+    /// unit of the plane at distance 1, and 1 over the width of the native disc's band.
+    pub table: [f32; 4],
+    /// First pixel (x, y) and end (x, y) of the box that holds all native pixels.
+    pub native_box: [i32; 4],
+    /// Methods by axes: the native rectangle, px: x0, y0, x1, y1.
+    pub native_rect: [f32; 4],
+    /// Methods by axes: where the finer of two layers is used, px: x0, y0, x1, y1.
+    pub layer_rect: [f32; 4],
+    /// Methods by axes: band in which native pixels and texels blend (px), 0, columns of the finer layer,
+    /// where the coarser layer begins in the forward table.
+    pub axes: [f32; 4],
 }
 
 impl FoveaParams {
@@ -82,6 +102,73 @@ impl FoveaParams {
             ],
             beta_hi: rows(0),
             beta_lo: rows(1),
+            ..Self::zeroed()
+        }
+        .with_disc(mapping.native_radius_px())
+    }
+
+    /// The block with another native disc, px.
+    #[must_use]
+    pub fn with_disc(mut self, radius_px: f64) -> Self {
+        let size = DVec2::new(f64::from(self.size[0]), f64::from(self.size[1]));
+        let gaze_px = DVec2::new(f64::from(self.gaze_px[0]), f64::from(self.gaze_px[1]));
+        let corner = |px: DVec2| px.clamp(DVec2::ZERO, size).as_ivec2();
+        let first = corner((gaze_px - radius_px).floor());
+        let end = corner((gaze_px + radius_px).ceil());
+        self.ring[0] = radius_px as f32;
+        self.native_box = [first.x, first.y, end.x, end.y];
+        self
+    }
+
+    /// The block with its native disc cut down to a box of this size, px: what was recorded has no room
+    /// for more.
+    #[must_use]
+    pub fn within_box(mut self, [width, height]: [u32; 2]) -> Self {
+        let [x0, y0, x1, y1] = self.native_box;
+        let room = |side: u32| i32::try_from(side).unwrap_or(i32::MAX);
+        let fits = x1 - x0 <= room(width) && y1 - y0 <= room(height);
+        if !fits {
+            let least = width.min(height) as f32;
+            self.ring[0] = self.ring[0].min(least / 2.0 - 1.0);
+            self.native_box = [x0, y0, x1.min(x0 + room(width)), y1.min(y0 + room(height))];
+        }
+        self
+    }
+
+    /// The block for a mapping by eccentricity. `height`: of the LP-buffer's image, texels.
+    #[must_use]
+    pub fn of_radial(mapping: &impl RadialMapping, native_box: [[u32; 2]; 2], height: u32) -> Self {
+        let gaze = mapping.gaze_px();
+        let (gaze_x, gaze_y) = (hi_lo(gaze.x), hi_lo(gaze.y));
+        let [width, display_height] = mapping.display().size_px;
+        let columns = mapping.columns_in_use();
+        let (base_px, ray_rows, px_rows) = mapping.frame().rows();
+        let last = (FORWARD_KNOTS - 1) as f64;
+        let pixel = mapping.frame().least_step();
+        let [first, end] = native_box.map(|px| px.map(|value| value as i32));
+        // Around the singular point; wider where pixels are compared with the acuity.
+        let hole_px = LEAST_NATIVE_RADIUS_PX as f32;
+        Self {
+            gaze_px: [gaze_x[0], gaze_y[0], gaze_x[1], gaze_y[1]],
+            size: [width, display_height, columns, height],
+            size_f: [columns as f32, height as f32, width as f32, display_height as f32],
+            ring: [
+                hole_px + 1.0,
+                1.0,
+                1.0,
+                super::display::farthest_corner_px([width, display_height], gaze).max(2.0) as f32,
+            ],
+            base_px,
+            ray_rows,
+            px_rows,
+            table: [
+                (last / forward_reach(mapping)) as f32,
+                last as f32,
+                pixel.recip() as f32,
+                INVERSE_NATIVE_BAND,
+            ],
+            native_box: [first[0], first[1], end[0], end[1]],
+            ..Self::zeroed()
         }
     }
 }

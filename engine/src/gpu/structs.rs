@@ -156,9 +156,19 @@ pub struct SampleCounts {
     pub shaded_texels: u32,
     /// Display pixels in the list.
     pub native_pixels: u32,
+    /// LP texels in the list whose centre lies on the display.
+    pub shaded_on_display: u32,
+    /// Unused.
+    pub pad0: u32,
+    /// Unused.
+    pub pad1: u32,
+    /// Unused.
+    pub pad2: u32,
 }
 
-gpu_layout!(SampleCounts, "SampleCounts" { listed, on_display, shaded_texels, native_pixels });
+gpu_layout!(SampleCounts, "SampleCounts" {
+    listed, on_display, shaded_texels, native_pixels, shaded_on_display, pad0, pad1, pad2,
+});
 
 /// The block `SdfCamera`
 #[repr(C)]
@@ -213,6 +223,8 @@ mod tests {
             listed: u32,
             shaded_texels: u32,
             native_pixels: u32,
+            shaded_on_display: u32,
+            pad: [u32; 3],
         }
         gpu_layout!(Moved, "SampleCounts" { on_display, listed, shaded_texels, native_pixels });
         let error = check_layout::<Moved>(ALL).expect_err("two fields have changed places");

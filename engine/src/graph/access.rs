@@ -27,6 +27,10 @@ pub enum Access {
     FragmentRead,
     /// Read as arguments of an indirect dispatch, and by a compute shader.
     IndirectRead,
+    /// Read by a copy.
+    CopyRead,
+    /// Written by a copy, all that later passes read.
+    CopyWrite,
 }
 
 impl Access {
@@ -40,6 +44,7 @@ impl Access {
             Self::VertexRead => S::VERTEX_SHADER,
             Self::FragmentRead => S::FRAGMENT_SHADER,
             Self::IndirectRead => S::DRAW_INDIRECT | S::COMPUTE_SHADER,
+            Self::CopyRead | Self::CopyWrite => S::COPY,
         }
     }
 
@@ -55,13 +60,15 @@ impl Access {
             Self::ComputeWrite => A::SHADER_WRITE,
             Self::ComputeReadWrite => A::SHADER_READ | A::SHADER_WRITE,
             Self::IndirectRead => A::INDIRECT_COMMAND_READ | A::SHADER_READ,
+            Self::CopyRead => A::TRANSFER_READ,
+            Self::CopyWrite => A::TRANSFER_WRITE,
         }
     }
 
     /// Needs what was written before.
     #[must_use]
     pub fn reads(self) -> bool {
-        !matches!(self, Self::ColorWrite | Self::DepthWrite | Self::ComputeWrite)
+        !matches!(self, Self::ColorWrite | Self::DepthWrite | Self::ComputeWrite | Self::CopyWrite)
     }
 
     /// Leaves something for later passes.
@@ -74,6 +81,7 @@ impl Access {
                 | Self::DepthWrite
                 | Self::ComputeWrite
                 | Self::ComputeReadWrite
+                | Self::CopyWrite
         )
     }
 }
@@ -169,5 +177,9 @@ pub fn dependency(history: History, next: Access) -> (Option<Dependency>, Histor
 
 /// The writing part of an access: only writes can be made available.
 fn write_flags(flags: A) -> A {
-    flags & (A::COLOR_ATTACHMENT_WRITE | A::DEPTH_STENCIL_ATTACHMENT_WRITE | A::SHADER_WRITE)
+    flags
+        & (A::COLOR_ATTACHMENT_WRITE
+            | A::DEPTH_STENCIL_ATTACHMENT_WRITE
+            | A::SHADER_WRITE
+            | A::TRANSFER_WRITE)
 }

@@ -16,7 +16,7 @@ pub struct Inverse {
 }
 
 impl Inverse {
-    /// Builds it, specialised to the kernel.
+    /// Builds it, specialised to the mapping's kind and kernel.
     ///
     /// # Errors
     /// [`crate::Error::Vulkan`].
@@ -32,6 +32,8 @@ impl Inverse {
             spec,
             &[
                 ("Fovea", Bind::PerSlot(&buffers.fovea)),
+                ("LpTables", Bind::Buffer(&targets.tables)),
+                ("ForwardTable", Bind::Buffer(&targets.forward_table)),
                 ("lp", Bind::Image(&targets.lp)),
                 ("lp_filtered", Bind::Image(&targets.lp_filtered)),
                 ("hdr", Bind::Image(&targets.hdr)),

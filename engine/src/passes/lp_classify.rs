@@ -3,6 +3,7 @@
 
 use super::{FrameArgs, FrameBuffers, Targets, dispatch_8x8};
 use crate::error::Result;
+use crate::gpu::pipeline::Spec;
 use crate::gpu::{Bind, ComputePipeline, Context, shaders};
 use crate::graph::Pass;
 use ash::vk;
@@ -19,20 +20,26 @@ const MODE_TEXELS: u32 = 0;
 const MODE_NATIVE: u32 = 1;
 
 impl LpClassify {
-    /// Builds it.
+    /// Builds it, specialised to the mapping's kind.
     ///
     /// # Errors
     /// [`crate::Error::Vulkan`].
-    pub fn new(context: &Arc<Context>, targets: &Arc<Targets>, buffers: &FrameBuffers) -> Result<Self> {
+    pub fn new(
+        context: &Arc<Context>,
+        targets: &Arc<Targets>,
+        buffers: &FrameBuffers,
+        spec: Spec<'_>,
+    ) -> Result<Self> {
         let pipeline = ComputePipeline::new(
             context,
             &shaders::LP_CLASSIFY_COMP,
-            &[],
+            spec,
             &[
                 ("Fovea", Bind::PerSlot(&buffers.fovea)),
                 ("SampleList", Bind::Buffer(&targets.samples)),
                 ("Counts", Bind::Buffer(&targets.counts)),
                 ("LpTables", Bind::Buffer(&targets.tables)),
+                ("ForwardTable", Bind::Buffer(&targets.forward_table)),
                 ("lp", Bind::Image(&targets.lp)),
             ],
         )?;
@@ -46,6 +53,6 @@ impl Pass<FrameArgs> for LpClassify {
         self.pipeline.bind(commands, frame.slot, &MODE_TEXELS);
         dispatch_8x8(&self.context, commands, self.targets.lp_size);
         self.pipeline.bind(commands, frame.slot, &MODE_NATIVE);
-        dispatch_8x8(&self.context, commands, [frame.native_box_px; 2]);
+        dispatch_8x8(&self.context, commands, frame.native_box_px);
     }
 }

@@ -31,7 +31,7 @@ pub use map_points::map_points;
 pub use output::Output;
 pub use post_filter::PostFilter;
 pub use shadow::{MAX_SHADOW_VIEWS, Shadow};
-pub use targets::{FrameBuffers, TargetSizes, Targets};
+pub use targets::{FrameBuffers, LpRoom, TargetSizes, Targets};
 
 use crate::content::{DrawInstance, GpuContent, GpuScene};
 use crate::gpu::pipeline::Bind;
@@ -55,8 +55,8 @@ pub struct FrameArgs {
     pub blended: Vec<u32>,
     /// Shadow views of this frame.
     pub shadow_views: u32,
-    /// Side of a box, px, that has room for the native disc, of a late-latched gaze too.
-    pub native_box_px: u32,
+    /// A box, px, that has room for the native pixels, of a late-latched gaze too.
+    pub native_box_px: [u32; 2],
 }
 
 /// Workgroups for one invocation per texel with groups of 8x8.

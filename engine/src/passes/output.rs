@@ -6,7 +6,7 @@ use crate::gpu::pipeline::GraphicsState;
 use crate::gpu::{Bind, Context, GraphicsPipeline, shaders};
 use crate::graph::Pass;
 use crate::host::TargetImage;
-use crate::settings::{Method, RenderSettings, ToneMap, View};
+use crate::settings::{RenderSettings, ToneMap, View};
 use ash::vk;
 use std::sync::Arc;
 
@@ -52,7 +52,7 @@ impl Output {
                 ("TONE_MAP", tone_map),
                 ("ENCODE_SRGB", u32::from(!encodes_srgb(format))),
                 ("VIEW", view),
-                ("FOVEATED", u32::from(matches!(settings.method, Method::Kfr(_)))),
+                ("FOVEATED", u32::from(settings.foveated())),
             ],
             &GraphicsState { color_formats: &[format], ..GraphicsState::default() },
             &[

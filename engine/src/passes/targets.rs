@@ -24,21 +24,30 @@ pub struct Targets {
     pub(crate) counts: Buffer,
     pub(crate) indirect: Buffer,
     pub(crate) tables: Buffer,
-    /// Texels of the LP-buffer; 1x1 for full shading.
+    pub(crate) forward_table: Buffer,
+    /// Texels of the LP-buffer's image; 1x1 for full shading.
     pub lp_size: [u32; 2],
-    /// Native pixels that the sample list has room for.
-    pub native_capacity: u32,
 }
 
-/// Native pixels for which the sample list has room on top of half the LP-buffer's texels. Inside the
-/// mapping's own disc there are fewer pixels than texels, and a disc holds a tenth of them at most in
-/// the published settings; the renderer keeps the disc within this room.
-const NATIVE_ROOM: u64 = 65536;
+/// What the LP-buffer and its lists need to have room for, at any gaze.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LpRoom {
+    /// Width and height of the image that holds the columns, texels.
+    pub size: [u32; 2],
+    /// Texels of all columns.
+    pub texels: u64,
+    /// Native pixels.
+    pub native: u64,
+    /// Rows of 16 bytes of the tables by columns and rows.
+    pub table_rows: u64,
+    /// Knots of the forward table.
+    pub knots: u64,
+}
 
 /// How large the images are.
 pub struct TargetSizes {
-    /// Texels of the LP-buffer, or `None` for full shading.
-    pub lp: Option<[u32; 2]>,
+    /// What the LP-buffer has room for.
+    pub lp: LpRoom,
     /// The scene is rasterised.
     pub gbuffer: bool,
     /// Layers of shadow maps; at least 1.
@@ -70,10 +79,7 @@ impl Targets {
             };
         let half = vk::Format::R16G16B16A16_SFLOAT;
         let color = Usage::STORAGE | Usage::SAMPLED | Usage::TRANSFER_SRC | Usage::TRANSFER_DST;
-        let lp_size = sizes.lp.unwrap_or([1, 1]);
-        let texels = u64::from(lp_size[0]) * u64::from(lp_size[1]);
-        let pixels = u64::from(display[0]) * u64::from(display[1]);
-        let native = if sizes.lp.is_some() { pixels.min(texels / 2 + NATIVE_ROOM) } else { 0 };
+        let LpRoom { size: lp_size, texels, native, .. } = sizes.lp;
         let limit = u64::from(context.limits.max_storage_buffer_range);
         if 4 * (texels + native) > limit {
             let [width, height] = lp_size;
@@ -123,9 +129,9 @@ impl Targets {
             samples: storage(context, "sample list", 4 * (texels + native))?,
             counts: storage(context, "sample counts", size_of::<structs::SampleCounts>() as u64)?,
             indirect: storage(context, "indirect", 16)?,
-            tables: storage(context, "lp tables", 16 * u64::from(lp_size[0] + lp_size[1]))?,
+            tables: storage(context, "lp tables", 16 * sizes.lp.table_rows)?,
+            forward_table: storage(context, "forward table", 8 * sizes.lp.knots)?,
             lp_size,
-            native_capacity: u32::try_from(native).unwrap_or(u32::MAX),
         };
         made.initialise(context)?;
         Ok(made)
@@ -171,6 +177,9 @@ fn storage(context: &Arc<Context>, name: &str, size: u64) -> Result<Buffer> {
 pub struct FrameBuffers {
     pub(crate) frame: Vec<Buffer>,
     pub(crate) fovea: Vec<Buffer>,
+    /// What the pass that fills the tables copies, where the CPU computes them.
+    pub(crate) lp_tables: Vec<Buffer>,
+    pub(crate) forward_tables: Vec<Buffer>,
     pub(crate) lights: Vec<Buffer>,
     pub(crate) shadow_views: Vec<Buffer>,
     pub(crate) sdf_camera: Vec<Buffer>,
@@ -185,7 +194,7 @@ impl FrameBuffers {
     ///
     /// # Errors
     /// [`crate::Error::Memory`] and [`crate::Error::Vulkan`].
-    pub fn new(context: &Arc<Context>, content: &GpuContent, shadow_views: u32) -> Result<Self> {
+    pub fn new(context: &Arc<Context>, content: &GpuContent, shadow_views: u32, lp: &LpRoom) -> Result<Self> {
         let scene = match content {
             GpuContent::Scene(scene) => Some(scene.as_ref()),
             GpuContent::SdfPrimitives => None,
@@ -198,11 +207,14 @@ impl FrameBuffers {
         };
         let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let copied = vk::BufferUsageFlags::TRANSFER_SRC;
         let up = Location::Upload;
         let size = |of: usize, count: u64| of as u64 * count.max(1);
         Ok(Self {
             frame: slots("frame", size(size_of::<structs::FrameParams>(), 1), uniform, up)?,
             fovea: slots("fovea", size(size_of::<FoveaParams>(), 1), uniform, up)?,
+            lp_tables: slots("lp tables of the CPU", 16 * lp.table_rows, copied, up)?,
+            forward_tables: slots("forward table of the CPU", 8 * lp.knots, copied, up)?,
             lights: slots(
                 "lights",
                 size(size_of::<structs::Light>(), count(|s| s.lights.len())),
@@ -216,7 +228,12 @@ impl FrameBuffers {
                 up,
             )?,
             sdf_camera: slots("sdf camera", size(size_of::<structs::SdfCamera>(), 1), uniform, up)?,
-            stats: slots("sample statistics", 16, storage, Location::Readback)?,
+            stats: slots(
+                "sample statistics",
+                size(size_of::<structs::SampleCounts>(), 1),
+                storage,
+                Location::Readback,
+            )?,
             findings: slots("findings", 2 * FINDINGS_PER_IMAGE, storage, Location::Upload)?,
         })
     }

@@ -1,16 +1,17 @@
 //! The frame: which passes there are, in order, and what each reads and writes.
 
+use super::foveation::MappingKind;
 use crate::content::{GpuContent, GpuScene};
 use crate::error::{Error, Result};
-use crate::fovea::{Kernel, KfrMapping};
+use crate::fovea::Kernel;
 use crate::gpu::Context;
 use crate::graph::{Access, Graph, Plan, ResourceId};
 use crate::passes::{
     FiniteCheck, Forward, FrameArgs, FrameBuffers, FullShade, GBuffer, Inverse, LpClassify, LpDispatch,
-    LpFilter, LpShade, LpTables, Output, PostFilter, Shadow, TargetSizes, Targets,
+    LpFilter, LpRoom, LpShade, LpTables, Output, PostFilter, Shadow, TargetSizes, Targets,
 };
 use crate::plan::EffectPlan;
-use crate::settings::{KfrSettings, Method, RenderSettings};
+use crate::settings::{Method, RenderSettings};
 use ash::vk;
 use std::sync::Arc;
 
@@ -20,14 +21,8 @@ pub(super) fn make_targets(
     content: &GpuContent,
     settings: &RenderSettings,
     effects: &EffectPlan,
+    lp: LpRoom,
 ) -> Result<Targets> {
-    let lp = match &settings.method {
-        Method::Full => None,
-        Method::Kfr(kfr) => {
-            let display = settings.display;
-            Some(KfrMapping::new(display.size_px, display.center_px(), kfr.kernel, kfr.sigma).lp_size())
-        }
-    };
     Targets::new(
         context,
         settings,
@@ -93,6 +88,7 @@ struct Builder<'a> {
     effects: &'a EffectPlan,
     targets: &'a Arc<Targets>,
     buffers: &'a FrameBuffers,
+    kind: MappingKind,
     ids: Ids,
     graph: Graph<FrameArgs>,
 }
@@ -106,16 +102,18 @@ pub(super) fn bake(
     targets: &Arc<Targets>,
     buffers: &FrameBuffers,
     format: vk::Format,
+    kind: MappingKind,
 ) -> Result<Plan<FrameArgs>> {
     let mut graph = Graph::default();
     let ids = Ids::declare(&mut graph);
-    let mut builder = Builder { context, content, settings, effects, targets, buffers, ids, graph };
+    let mut builder = Builder { context, content, settings, effects, targets, buffers, kind, ids, graph };
     if let GpuContent::Scene(scene) = content {
         builder.geometry(scene)?;
     }
-    match &settings.method {
-        Method::Full => builder.full()?,
-        Method::Kfr(kfr) => builder.foveated(kfr)?,
+    if settings.foveated() {
+        builder.foveated()?;
+    } else {
+        builder.full()?;
     }
     if let GpuContent::Scene(scene) = content {
         builder.transparency(scene)?;
@@ -168,14 +166,20 @@ impl Builder<'_> {
     }
 
     /// Which samples, shade them, filter the periphery, back to the display.
-    fn foveated(&mut self, kfr: &KfrSettings) -> Result<()> {
+    fn foveated(&mut self) -> Result<()> {
         let (context, targets, buffers) = (self.context, self.targets, self.buffers);
         let reads = self.surface_reads();
         let ids = &self.ids;
         let graph = &mut self.graph;
         // The mapping taken apart into columns and rows, once for all texels.
-        let accesses = [(ids.fovea, Access::ComputeRead), (ids.tables, Access::ComputeWrite)];
-        graph.pass("lp_tables", &accesses, LpTables::new(context, targets, buffers)?);
+        if self.kind == MappingKind::Kernel {
+            let accesses = [(ids.fovea, Access::ComputeRead), (ids.tables, Access::ComputeWrite)];
+            graph.pass("lp_tables", &accesses, LpTables::computed(context, targets, buffers)?);
+        } else {
+            let accesses = [(ids.fovea, Access::CopyRead), (ids.tables, Access::CopyWrite)];
+            graph.pass("lp_tables", &accesses, LpTables::copied(context, targets, buffers));
+        }
+        let mapping_spec = mapping_spec(self.kind, &self.settings.method);
         // Only texels that land on the display, and the native pixels around the gaze.
         let accesses = [
             (ids.fovea, Access::ComputeRead),
@@ -184,7 +188,7 @@ impl Builder<'_> {
             (ids.counts, Access::ComputeReadWrite),
             (ids.lp, Access::ComputeWrite),
         ];
-        graph.pass("lp_classify", &accesses, LpClassify::new(context, targets, buffers)?);
+        graph.pass("lp_classify", &accesses, LpClassify::new(context, targets, buffers, &mapping_spec)?);
         // As many workgroups as there are samples.
         let accesses = [
             (ids.counts, Access::ComputeReadWrite),
@@ -201,7 +205,9 @@ impl Builder<'_> {
             (ids.lp, Access::ComputeReadWrite),
             (ids.hdr, Access::ComputeWrite),
         ]);
-        let pass = LpShade::new(context, self.content, targets, buffers, &self.effects.shading_spec)?;
+        let mut spec = self.effects.shading_spec.clone();
+        spec.extend_from_slice(&mapping_spec);
+        let pass = LpShade::new(context, self.content, targets, buffers, &spec)?;
         graph.pass("lp_shade", &accesses, pass);
         if self.effects.lp_filter {
             let accesses = [
@@ -213,13 +219,14 @@ impl Builder<'_> {
         }
         let mut accesses = vec![
             (ids.fovea, Access::ComputeRead),
+            (ids.tables, Access::ComputeRead),
             (ids.lp, Access::ComputeRead),
             (ids.hdr, Access::ComputeReadWrite),
         ];
         if self.effects.lp_filter {
             accesses.push((ids.lp_filtered, Access::ComputeRead));
         }
-        graph.pass("inverse", &accesses, Inverse::new(context, targets, buffers, &kernel_spec(&kfr.kernel))?);
+        graph.pass("inverse", &accesses, Inverse::new(context, targets, buffers, &mapping_spec)?);
         if self.effects.post_filter {
             let accesses = [
                 (ids.fovea, Access::ComputeRead),
@@ -258,7 +265,7 @@ impl Builder<'_> {
         self.graph.pass("output", &accesses, pass);
         self.graph.output(self.ids.target);
         if self.settings.check_finite {
-            let foveated = matches!(self.settings.method, Method::Kfr(_));
+            let foveated = self.settings.foveated();
             let pass = FiniteCheck::new(self.context, self.targets, self.buffers, foveated)?;
             let mut accesses =
                 vec![(self.ids.hdr, Access::ComputeRead), (self.ids.findings, Access::ComputeReadWrite)];
@@ -273,14 +280,17 @@ impl Builder<'_> {
     }
 }
 
-/// Specialises the inverse pass to the kernel.
-fn kernel_spec(kernel: &Kernel) -> [(&'static str, u32); 2] {
-    let (kind, alpha) = match *kernel {
-        Kernel::Power { alpha } if alpha.fract() == 0.0 => (0, alpha as u32),
-        Kernel::Power { .. } => (0, 0),
-        Kernel::Polynomial { .. } => (1, 0),
-        Kernel::Sine => (2, 0),
-        Kernel::Exponential => (3, 0),
+/// Specialises the passes that map to the mapping's kind and KFR's kernel.
+fn mapping_spec(kind: MappingKind, method: &Method) -> [(&'static str, u32); 3] {
+    let (kernel, alpha) = match method {
+        Method::Kfr(kfr) => match kfr.kernel {
+            Kernel::Power { alpha } if alpha.fract() == 0.0 => (0, alpha as u32),
+            Kernel::Power { .. } => (0, 0),
+            Kernel::Polynomial { .. } => (1, 0),
+            Kernel::Sine => (2, 0),
+            Kernel::Exponential => (3, 0),
+        },
+        _ => (0, 0),
     };
-    [("KERNEL_KIND", kind), ("INTEGER_ALPHA", alpha)]
+    [("MAPPING_KIND", kind as u32), ("KERNEL_KIND", kernel), ("INTEGER_ALPHA", alpha)]
 }
