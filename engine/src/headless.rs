@@ -2,7 +2,7 @@
 
 pub use crate::content::Content;
 pub use crate::gpu::owned::{DeviceReport, FeatureReport, device_reports};
-pub use crate::renderer::FrameInput;
+pub use crate::renderer::{FrameInput, GpuMapping, MappedPoint};
 
 use crate::content::GpuContent as SharedContent;
 use crate::error::Result;

@@ -5,8 +5,10 @@ mod camera;
 mod foveation;
 mod frame_data;
 mod graph_of;
+mod points;
 
 pub use camera::{CameraFrame, NEAR_M};
+pub use points::{GpuMapping, MappedPoint};
 
 use crate::content::{GpuContent, GpuScene};
 use crate::error::{Error, Result};

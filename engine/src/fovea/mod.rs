@@ -9,10 +9,13 @@ mod kernel;
 mod kfr;
 mod mapping;
 mod params;
+mod presets;
 mod radial;
 #[cfg(test)]
 mod tests;
 mod vafr;
+#[cfg(test)]
+mod vafr_tests;
 
 pub use acuity::AcuityModel;
 pub use display::DisplayGeometry;
@@ -21,5 +24,6 @@ pub use kernel::{Kernel, MAX_COEFFICIENTS};
 pub use kfr::{KfrMapping, LpCoord, LpJacobian};
 pub use mapping::{ColumnLayout, LpPoint, Mapping, Rates, TexelJacobian};
 pub use params::{FoveaParams, GazeKeeper, MAX_GAZE_PX};
+pub use presets::DisplayPreset;
 pub use radial::{ColumnRow, FORWARD_KNOTS, ForwardKnot, RadialMapping, fill_columns, fill_forward};
 pub use vafr::{NATIVE_BAND, VafrForm, VafrMapping};

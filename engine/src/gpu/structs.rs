@@ -224,9 +224,13 @@ mod tests {
             shaded_texels: u32,
             native_pixels: u32,
             shaded_on_display: u32,
-            pad: [u32; 3],
+            pad0: u32,
+            pad1: u32,
+            pad2: u32,
         }
-        gpu_layout!(Moved, "SampleCounts" { on_display, listed, shaded_texels, native_pixels });
+        gpu_layout!(Moved, "SampleCounts" {
+            on_display, listed, shaded_texels, native_pixels, shaded_on_display, pad0, pad1, pad2,
+        });
         let error = check_layout::<Moved>(ALL).expect_err("two fields have changed places");
         assert!(error.contains("SampleCounts.listed: offset 0 in GLSL, 4 in Rust"), "{error}");
     }

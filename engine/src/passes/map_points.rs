@@ -1,8 +1,8 @@
 //! The mapping's coordinates of single points, from the functions that the passes use.
 
 use crate::error::Result;
-use crate::fovea::{FoveaParams, LpCoord};
-use crate::gpu::pipeline::Bind;
+use crate::fovea::{ColumnRow, ForwardKnot, FoveaParams, LpCoord};
+use crate::gpu::pipeline::{Bind, Spec};
 use crate::gpu::resource::Location;
 use crate::gpu::{Buffer, ComputePipeline, Context, shaders, submit};
 use ash::vk;
@@ -50,4 +50,80 @@ pub fn map_points(context: &Arc<Context>, params: &FoveaParams, points_px: &[DVe
         v_norm: f64::from(of[2]) + f64::from(of[3]),
     };
     Ok(mapped.iter().take(points.len()).map(coordinate).collect())
+}
+
+/// Which way points are mapped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Display positions (px) to the column coordinate (texels), the share of the column's height, and how
+    /// far past the native region (0 or less: native; 1 or more: from the LP-buffer alone).
+    ToLp = 0,
+    /// Column coordinate (texels) and share of the column's height to display positions (px).
+    ToDisplay = 1,
+}
+
+/// The mapping of one frame as the shaders have it.
+pub struct PointTables<'a> {
+    /// The block.
+    pub params: FoveaParams,
+    /// Table by columns and rows; `None` where the GPU computes it.
+    pub lp_tables: Option<&'a [ColumnRow]>,
+    /// Forward table.
+    pub forward: &'a [ForwardKnot],
+    /// Bytes of the table by columns and rows.
+    pub table_bytes: u64,
+    /// Kind of mapping and kernel.
+    pub spec: Spec<'a>,
+}
+
+/// Maps points on the GPU by the functions that the passes use. Inputs and results are read as the way
+/// says; what the way does not name is 0.
+///
+/// # Errors
+/// [`crate::Error::Memory`] and [`crate::Error::Vulkan`].
+pub fn map_any(
+    context: &Arc<Context>,
+    tables: &PointTables<'_>,
+    way: Way,
+    points: &[[f32; 4]],
+) -> Result<Vec<[f32; 4]>> {
+    let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+    let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
+    let fovea = submit::upload_buffer(context, "fovea of points", &[tables.params], uniform)?;
+    let lp_tables = match tables.lp_tables {
+        Some(rows) => submit::upload_buffer(context, "lp tables of points", rows, storage)?,
+        None => Buffer::new(context, "lp tables of points", tables.table_bytes, storage, Location::Gpu)?,
+    };
+    let forward = submit::upload_buffer(context, "forward table of points", tables.forward, storage)?;
+    let input = submit::upload_buffer(context, "points", points, storage)?;
+    let output =
+        Buffer::new(context, "mapped points", 16 * points.len() as u64, storage, Location::Readback)?;
+    let binds = [
+        ("Fovea", Bind::Buffer(&fovea)),
+        ("Points", Bind::Buffer(&input)),
+        ("Mapped", Bind::Buffer(&output)),
+        ("ForwardTable", Bind::Buffer(&forward)),
+        ("LpTables", Bind::Buffer(&lp_tables)),
+    ];
+    let pipeline = ComputePipeline::new(context, &shaders::MAP_POINTS_ANY_COMP, tables.spec, &binds)?;
+    let fill_binds = [("Fovea", Bind::Buffer(&fovea)), ("LpTables", Bind::Buffer(&lp_tables))];
+    let fill = ComputePipeline::new(context, &shaders::LP_TABLES_COMP, &[], &fill_binds)?;
+    let [_, _, columns, rows] = tables.params.size;
+    let count = u32::try_from(points.len()).unwrap_or(u32::MAX);
+    submit::submit_and_wait(context, "mapping points", |commands| {
+        // SAFETY: `commands` is being recorded with the pipelines bound before each dispatch.
+        unsafe {
+            if tables.lp_tables.is_none() {
+                fill.bind(commands, 0, &());
+                context.device.cmd_dispatch(commands, (columns + rows).div_ceil(64), 1, 1);
+                submit::full_barrier(context, commands);
+            }
+            pipeline.bind(commands, 0, &[count, way as u32]);
+            context.device.cmd_dispatch(commands, count.div_ceil(64), 1, 1);
+        }
+        submit::full_barrier(context, commands);
+        Ok(())
+    })?;
+    let mapped: &[[f32; 4]] = bytemuck::cast_slice(output.bytes());
+    Ok(mapped[..points.len()].to_vec())
 }

@@ -1,10 +1,13 @@
 //! The mapping of the method in use: what the shaders are given of it, each frame anew.
 
+use super::graph_of::mapping_spec;
+use crate::error::Result;
 use crate::fovea::{
     ColumnRow, DisplayGeometry, FORWARD_KNOTS, ForwardKnot, FoveaParams, Kernel, KfrMapping, Mapping,
     VafrMapping, fill_columns, fill_forward,
 };
-use crate::passes::{FrameBuffers, LpRoom};
+use crate::gpu::Context;
+use crate::passes::{FrameBuffers, LpRoom, PointTables, Way, map_any};
 use crate::settings::{KfrSettings, Method, RenderSettings};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -148,11 +151,42 @@ impl Foveation {
         }
     }
 
-    /// Writes what does not depend on the gaze, once for each frame slot.
-    pub(super) fn write_tables(&mut self, buffers: &mut FrameBuffers) {
+    /// Maps points on the GPU for a gaze, as the passes do.
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`] and [`crate::Error::Vulkan`].
+    pub(super) fn map_points(
+        &mut self,
+        context: &Arc<Context>,
+        method: &Method,
+        gaze_px: DVec2,
+        way: Way,
+        points: &[[f32; 4]],
+    ) -> Result<Vec<[f32; 4]>> {
+        let params = self.params(gaze_px);
+        self.fill_tables();
+        let spec = mapping_spec(self.kind(), method);
+        let tables = PointTables {
+            params,
+            lp_tables: (self.kind() != MappingKind::Kernel).then_some(&self.rows),
+            forward: if self.knots.is_empty() { &[[0.0; 2]] } else { &self.knots },
+            table_bytes: 16 * self.room.table_rows,
+            spec: &spec,
+        };
+        map_any(context, &tables, way, points)
+    }
+
+    fn fill_tables(&mut self) {
         if let Active::Vafr(mapping) = &self.active {
             fill_columns(mapping.as_ref(), &mut self.rows);
             fill_forward(mapping.as_ref(), &mut self.knots);
+        }
+    }
+
+    /// Writes what does not depend on the gaze, once for each frame slot.
+    pub(super) fn write_tables(&mut self, buffers: &mut FrameBuffers) {
+        self.fill_tables();
+        if self.kind() != MappingKind::Kernel {
             for (tables, forward) in buffers.lp_tables.iter_mut().zip(&mut buffers.forward_tables) {
                 tables.write(0, &self.rows);
                 forward.write(0, &self.knots);

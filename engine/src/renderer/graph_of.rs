@@ -281,7 +281,7 @@ impl Builder<'_> {
 }
 
 /// Specialises the passes that map to the mapping's kind and KFR's kernel.
-fn mapping_spec(kind: MappingKind, method: &Method) -> [(&'static str, u32); 3] {
+pub(super) fn mapping_spec(kind: MappingKind, method: &Method) -> [(&'static str, u32); 3] {
     let (kernel, alpha) = match method {
         Method::Kfr(kfr) => match kfr.kernel {
             Kernel::Power { alpha } if alpha.fract() == 0.0 => (0, alpha as u32),
