@@ -72,6 +72,14 @@ void main() {
         return;
     }
     vec4 color = reconstruct(lookup);
+    if (MAPPING_KIND == MAPPING_AXES) {
+        // The finer layer passes over into the coarser one inside its edge.
+        float past_layer = outside_rect_px(fovea.layer_rect, vec2(px) + 0.5) / fovea.axes.y + 1.0;
+        if (past_layer > 0.0 && past_layer < 1.0) {
+            vec4 coarser = reconstruct(axes_lookup(vec2(px) + 0.5, false));
+            color = mix(color, coarser, smoothstep(0.0, 1.0, past_layer));
+        }
+    }
     if (past_native < 1.0) {
         color = mix(imageLoad(hdr, px), color, smoothstep(0.0, 1.0, past_native));
     }

@@ -175,7 +175,7 @@ TexelReach axes_reach(uvec2 texel) {
     result.reach_px = length(vec2(column.z - column.x, row.z - row.x)) + 1.0;
     bool inner = float(texel.x) < fovea.axes.z;
     vec4 finer = inner ? fovea.native_rect : fovea.layer_rect;
-    result.into = outside_rect_px(finer, result.px) + result.reach_px + fovea.axes.x;
+    result.into = outside_rect_px(finer, result.px) + result.reach_px + (inner ? fovea.axes.x : fovea.axes.y);
     return result;
 }
 

@@ -1,5 +1,6 @@
 //! What the shaders need to know of the mapping.
 
+use super::axes::AxesMapping;
 use super::kernel::{Kernel, MAX_COEFFICIENTS};
 use super::kfr::{KfrMapping, LEAST_NATIVE_RADIUS_PX};
 use super::radial::{FORWARD_KNOTS, INVERSE_NATIVE_BAND, RadialMapping, forward_reach};
@@ -57,8 +58,8 @@ pub struct FoveaParams {
     pub native_rect: [f32; 4],
     /// Methods by axes: where the finer of two layers is used, px: x0, y0, x1, y1.
     pub layer_rect: [f32; 4],
-    /// Methods by axes: band in which native pixels and texels blend (px), 0, columns of the finer layer,
-    /// where the coarser layer begins in the forward table.
+    /// Methods by axes: bands inside those two rectangles in which they pass over to what lies outside
+    /// (px), columns of the finer layer, where the coarser layer begins in the forward table.
     pub axes: [f32; 4],
 }
 
@@ -168,6 +169,46 @@ impl FoveaParams {
                 INVERSE_NATIVE_BAND,
             ],
             native_box: [first[0], first[1], end[0], end[1]],
+            ..Self::zeroed()
+        }
+    }
+
+    /// The block for a mapping by axes. `height`: of the LP-buffer's image, texels.
+    #[must_use]
+    pub fn of_axes(mapping: &impl AxesMapping, height: u32) -> Self {
+        let gaze = mapping.gaze_px();
+        let (gaze_x, gaze_y) = (hi_lo(gaze.x), hi_lo(gaze.y));
+        let [width, display_height] = mapping.display().size_px;
+        let columns = mapping.columns().size()[0];
+        let finer = mapping.layers().get(1).map_or(0, |outer| outer.first_column);
+        let rect = |corners: Option<[DVec2; 2]>| match corners {
+            Some([low, high]) => [low.x, low.y, high.x, high.y].map(|value| value as f32),
+            // Nothing lies inside.
+            None => [1e9, 1e9, -1e9, -1e9],
+        };
+        let native_rect = rect(mapping.native_rect_px());
+        let [band, finer_band] = mapping.bands_px().map(|band| band as f32);
+        let first = |value: f32| value.max(0.0) as i32;
+        let end = |value: f32, side: u32| (value.ceil().max(0.0) as i32).min(side as i32);
+        Self {
+            gaze_px: [gaze_x[0], gaze_y[0], gaze_x[1], gaze_y[1]],
+            size: [width, display_height, columns, height],
+            size_f: [columns as f32, height as f32, width as f32, display_height as f32],
+            ring: [0.0, 1.0, 1.0, 2.0],
+            native_box: [
+                first(native_rect[0]).min(width as i32),
+                first(native_rect[1]).min(display_height as i32),
+                end(native_rect[2], width),
+                end(native_rect[3], display_height),
+            ],
+            native_rect,
+            layer_rect: rect(mapping.finer_rect_px()),
+            axes: [
+                band,
+                finer_band,
+                finer as f32,
+                if finer > 0 { (width + display_height) as f32 } else { 0.0 },
+            ],
             ..Self::zeroed()
         }
     }
