@@ -118,7 +118,7 @@ impl Renderer {
         let room = foveation.room();
         let targets = Arc::new(graph_of::make_targets(context, content, settings, &effects, room)?);
         let mut buffers = FrameBuffers::new(context, content, effects.shadow_views, &room)?;
-        foveation.write_tables(&mut buffers);
+        foveation.write_fixed_tables(&mut buffers);
         let plan = graph_of::bake(
             context,
             content,
@@ -185,6 +185,7 @@ impl Renderer {
         self.args.native_box_px =
             [widest_px[0].max((x1 - x0).unsigned_abs()), widest_px[1].max((y1 - y0).unsigned_abs())];
         self.buffers.fovea[slot].write(0, &[fovea]);
+        self.foveation.write_gaze_tables(&mut self.buffers, slot);
         match &self.content {
             Content::Scene(scene) => {
                 frame_data::choose_visible(scene, &camera, &mut self.args, &mut self.order);
@@ -238,6 +239,7 @@ impl Renderer {
         self.slots[slot].columns = fovea.size[2];
         self.slots[slot].texels = self.foveation.texels_in_use(&fovea);
         self.buffers.fovea[slot].write(0, &[fovea]);
+        self.foveation.write_gaze_tables(&mut self.buffers, slot);
         let gaze = [gaze_px.x as f32, gaze_px.y as f32];
         self.buffers.frame[slot].write(offset_of!(FrameParams, gaze), &[gaze]);
     }

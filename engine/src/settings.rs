@@ -1,8 +1,13 @@
 //! What a caller asks of the renderer, checked before anything is built.
 
 use crate::error::{Error, Result};
-use crate::fovea::{AcuityModel, DisplayGeometry, Kernel, VafrForm};
+use crate::fovea::{
+    AcuityModel, DisplayGeometry, GuenterMapping, GuenterParams, Kernel, KfrColumns, LafrMapping, LafrParams,
+    Mapping, RmfrMapping, RmfrParams, VafrForm, VafrMapping, VisualPolarMapping, VisualPolarParams,
+};
+use glam::DVec2;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// How the picture is shaded.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +18,33 @@ pub enum Method {
     Kfr(KfrSettings),
     /// Visual-acuity-consistent foveated rendering.
     Vafr(VafrSettings),
+    /// Locomotion-aware foveated rendering (2023), for comparison.
+    Lafr(LafrParams),
+    /// Visual-Polar space (2019), for comparison.
+    VisualPolar(VisualPolarParams),
+    /// Rectangular mapping (2022), for comparison.
+    Rmfr(RmfrParams),
+    /// Three nested layers (2012), for comparison.
+    Guenter(GuenterParams),
+}
+
+impl Method {
+    /// The mapping for a checked display and parameters, and a gaze; `None` for full shading. Allocates:
+    /// for tools and tests, not for every frame.
+    #[must_use]
+    pub fn mapping(&self, display: &DisplayGeometry, gaze_px: DVec2) -> Option<Box<dyn Mapping>> {
+        Some(match self {
+            Self::Full => return None,
+            Self::Kfr(kfr) => Box::new(KfrColumns::new(*display, gaze_px, kfr.kernel, kfr.sigma)),
+            Self::Vafr(vafr) => {
+                Box::new(VafrMapping::new(vafr.form, display, gaze_px, &Arc::new(vafr.acuity.clone())))
+            }
+            Self::Lafr(params) => Box::new(LafrMapping::new(*display, gaze_px, *params)),
+            Self::VisualPolar(params) => Box::new(VisualPolarMapping::new(*display, gaze_px, *params)),
+            Self::Rmfr(params) => Box::new(RmfrMapping::new(*display, gaze_px, *params)),
+            Self::Guenter(params) => Box::new(GuenterMapping::new(*display, gaze_px, *params)),
+        })
+    }
 }
 
 /// Kernel foveated rendering (thesis of 2018, section 2).
@@ -140,9 +172,16 @@ impl RenderSettings {
             Err(Error::Setting(format!("{name} is {value}; it must lie between {low} and {high}")))
         };
         self.display.check()?;
-        if let Method::Kfr(kfr) = &self.method {
-            within("sigma", kfr.sigma, 1.0, 64.0)?;
-            kfr.kernel.check()?;
+        match &self.method {
+            Method::Full | Method::Vafr(_) => {}
+            Method::Kfr(kfr) => {
+                within("sigma", kfr.sigma, 1.0, 64.0)?;
+                kfr.kernel.check()?;
+            }
+            Method::Lafr(params) => params.check()?,
+            Method::VisualPolar(params) => params.check()?,
+            Method::Rmfr(params) => params.check()?,
+            Method::Guenter(params) => params.check()?,
         }
         within("exposure", f64::from(self.exposure), 1e-6, 1e6)?;
         within("the number of shadowed lights", f64::from(self.shadowed_lights), 0.0, 16.0)?;

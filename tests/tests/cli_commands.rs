@@ -153,6 +153,48 @@ fn map_prints_the_oracle_from_the_gpu_too() {
     check_map(EXCERPT, &["--gpu"], 1e-6);
 }
 
+/// Every case of VaFR's two forms in the high-precision oracle.
+#[test]
+fn map_prints_the_oracle_of_vafr() {
+    let Some(path) = data::shared("oracle/mapping.json") else {
+        println!("skipped: shared/oracle is not there");
+        return;
+    };
+    let oracle: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let mut compared = 0;
+    for case in oracle["cases"].as_array().unwrap() {
+        let method = match case["method"].as_str().unwrap() {
+            "vafr-planar" => "vafr-planar",
+            "vafr-sphere" => "vafr",
+            _ => continue,
+        };
+        let size = format!("{}x{}", case["display"]["width_px"], case["display"]["height_px"]);
+        let gaze = format!("{},{}", case["gaze_px"][0], case["gaze_px"][1]);
+        let hfov = case["display"]["hfov_deg"].to_string();
+        let arguments = ["map", "--method", method, "--size", &size, "--hfov-deg", &hfov, "--gaze-px", &gaze];
+        let points = case["points"].as_array().unwrap();
+        let input: String = points.iter().map(|point| format!("{},{}\n", point["x"], point["y"])).collect();
+        let output = map(&arguments, &input);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        for (point, line) in points.iter().zip(String::from_utf8(output.stdout).unwrap().lines()) {
+            let got: Value = serde_json::from_str(line).unwrap();
+            let close = |name: &str, want: f64, period: f64| {
+                let got = got[name].as_f64().unwrap();
+                let miss = (got - want).abs();
+                // v is periodic: a full turn is none.
+                let miss = miss.min((period - miss).abs());
+                assert!(miss <= 1e-9 * want.abs().max(1.0), "{method} {size} {name}: {got}, not {want}");
+            };
+            let of = |name: &str| point[name].as_f64().unwrap();
+            close("u", of("u"), f64::INFINITY);
+            close("height", of("l"), f64::INFINITY);
+            close("v", of("v"), of("l"));
+            compared += 1;
+        }
+    }
+    assert!(compared >= 400, "only {compared} points");
+}
+
 #[test]
 fn map_names_a_bad_line() {
     let output = map(&["map", "--size", "64x64"], "1,2\nnonsense\n");

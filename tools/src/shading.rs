@@ -3,8 +3,11 @@
 use crate::failure::Failure;
 use crate::options::KernelArgs;
 use clap::{Args, ValueEnum};
-use macula::fovea::VafrForm;
+use macula::fovea::{
+    AcuityModel, DisplayGeometry, GuenterParams, LafrParams, RmfrParams, VafrForm, VisualPolarParams,
+};
 use macula::settings::{KfrSettings, Method, VafrSettings};
+use std::path::{Path, PathBuf};
 
 /// The methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -13,19 +16,109 @@ pub enum MethodName {
     Full,
     /// Kernel foveated rendering
     Kfr,
-    /// As dense as the eye's acuity on the sphere around the gaze, and native pixels around it
+    /// As dense as the eye's acuity on the sphere around the gaze, native pixels where the display is coarser
     Vafr,
-    /// As published: planar distances from the gaze
+    /// The same as published: by planar distance from the gaze, without native pixels
     VafrPlanar,
+    /// Locomotion-aware foveated rendering, for comparison
+    Lafr,
+    /// Visual-Polar space, for comparison
+    VisualPolar,
+    /// Rectangular mapping, for comparison
+    Rmfr,
+    /// Three nested layers of falling resolution, for comparison
+    Guenter3,
+}
+
+impl MethodName {
+    /// As on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Full => "full",
+            Self::Kfr => "kfr",
+            Self::Vafr => "vafr",
+            Self::VafrPlanar => "vafr-planar",
+            Self::Lafr => "lafr",
+            Self::VisualPolar => "visual-polar",
+            Self::Rmfr => "rmfr",
+            Self::Guenter3 => "guenter3",
+        }
+    }
+
+    /// The method with its default parameters and an acuity model, which only VaFR reads.
+    pub fn with_acuity(self, acuity: &AcuityModel) -> Method {
+        let vafr = |form| Method::Vafr(VafrSettings { form, acuity: acuity.clone() });
+        match self {
+            Self::Full => Method::Full,
+            Self::Kfr => Method::Kfr(KfrSettings::default()),
+            Self::Vafr => vafr(VafrForm::Sphere),
+            Self::VafrPlanar => vafr(VafrForm::Planar),
+            Self::Lafr => Method::Lafr(LafrParams::default()),
+            Self::VisualPolar => Method::VisualPolar(VisualPolarParams::default()),
+            Self::Rmfr => Method::Rmfr(RmfrParams::default()),
+            Self::Guenter3 => Method::Guenter(GuenterParams::default()),
+        }
+    }
+}
+
+/// The acuity model.
+#[derive(Args, Clone, Debug, Default)]
+pub struct AcuityArgs {
+    /// Acuity model of the eye: a TOML file with `degrees` and `cpd` [default: 40, 10, 6, 5 and 4 cpd at 0,
+    /// 10, 20, 30 and 60 degrees]
+    #[arg(long, value_name = "FILE.toml")]
+    acuity: Option<PathBuf>,
+    /// Factor on the acuity: above 1 samples more, below 1 fewer, 0.05 to 20
+    #[arg(long, value_name = "F", allow_hyphen_values = true)]
+    acuity_scale: Option<f64>,
+    /// Round off the acuity model's kinks
+    #[arg(long)]
+    smooth_acuity: bool,
+}
+
+impl AcuityArgs {
+    /// The first of these options that was given.
+    pub fn given(&self) -> Option<&'static str> {
+        let given = [
+            (self.acuity.is_some(), "--acuity"),
+            (self.acuity_scale.is_some(), "--acuity-scale"),
+            (self.smooth_acuity, "--smooth-acuity"),
+        ];
+        given.into_iter().find_map(|(is_given, name)| is_given.then_some(name))
+    }
+
+    /// The model.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no acuity model, a scale out of range.
+    pub fn model(&self) -> Result<AcuityModel, Failure> {
+        let mut model = match &self.acuity {
+            Some(path) => read_acuity(path)?,
+            None => AcuityModel::vafr_2025(),
+        };
+        if self.smooth_acuity {
+            model = model.smooth();
+        }
+        match self.acuity_scale {
+            Some(scale) => Ok(model.scaled(scale)?),
+            None => Ok(model),
+        }
+    }
+}
+
+fn read_acuity(path: &Path) -> Result<AcuityModel, Failure> {
+    let told = |error: String| Failure::environment(format!("{}: {error}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|error| told(error.to_string()))?;
+    AcuityModel::from_toml(&text).map_err(|error| told(error.to_string()))
 }
 
 /// The method with its parameters.
 #[derive(Args, Clone, Debug)]
 pub struct ShadingArgs {
     /// How the picture is shaded
-    #[arg(long, value_enum, default_value = "kfr", help_heading = "Foveation")]
+    #[arg(long, value_enum, value_name = "NAME", default_value = "kfr", help_heading = "Foveation")]
     pub method: MethodName,
-    /// Display width over LP-buffer width, 1 to 64; 1 to 4 is useful [default: 1.8]
+    /// Display width over LP-buffer width of kfr, 1 to 64; 1 to 4 is useful [default: 1.8]
     #[arg(long, value_name = "S", allow_hyphen_values = true, help_heading = "Foveation")]
     sigma: Option<f64>,
     #[command(flatten, next_help_heading = "Foveation")]
@@ -36,48 +129,69 @@ pub struct ShadingArgs {
     /// Gaussian on the display that grows with the distance from the gaze
     #[arg(long, help_heading = "Foveation")]
     post_filter: bool,
+    #[command(flatten, next_help_heading = "Foveation")]
+    acuity: AcuityArgs,
+    /// No more samples of vafr-planar than the display resolves at its centre
+    #[arg(long, help_heading = "Foveation")]
+    display_limit: bool,
 }
 
 impl ShadingArgs {
     /// The method's name in reports.
     pub fn name(&self) -> &'static str {
-        match self.method {
-            MethodName::Full => "full",
-            MethodName::Kfr => "kfr",
-            MethodName::Vafr => "vafr",
-            MethodName::VafrPlanar => "vafr-planar",
-        }
+        self.method.name()
     }
 
     /// The method, its parameters checked as far as they do not need a display.
     ///
     /// # Errors
-    /// [`Failure::Usage`] for a parameter that belongs to another method or is out of range.
-    pub fn method(&self) -> Result<Method, Failure> {
-        if self.method == MethodName::Vafr {
-            return Ok(Method::Vafr(VafrSettings::default()));
+    /// [`Failure::Usage`] for a parameter that belongs to another method or is out of range; what reading an
+    /// acuity model reports.
+    pub fn method(&self, display: &DisplayGeometry) -> Result<Method, Failure> {
+        self.check_belonging()?;
+        if self.method == MethodName::Kfr {
+            return Ok(Method::Kfr(KfrSettings {
+                sigma: self.sigma.unwrap_or(KfrSettings::default().sigma),
+                kernel: self.kernel.kernel()?,
+                lp_filter: !self.no_lp_filter,
+                post_filter: self.post_filter,
+            }));
         }
-        if self.method == MethodName::VafrPlanar {
-            return Ok(Method::Vafr(VafrSettings { form: VafrForm::Planar, ..VafrSettings::default() }));
+        let mut acuity = self.acuity.model()?;
+        if self.display_limit {
+            let centre_per_rad = display.tangents_per_px().max_element().recip();
+            acuity = acuity.limited_to(centre_per_rad * 1f64.to_radians() / 2.0)?;
         }
-        if self.method == MethodName::Full {
-            let of_kfr = [
-                (self.sigma.is_some(), "--sigma"),
-                (self.kernel.given().is_some(), self.kernel.given().unwrap_or_default()),
-                (self.no_lp_filter, "--no-lp-filter"),
-                (self.post_filter, "--post-filter"),
-            ];
-            return match of_kfr.iter().find(|(given, _)| *given) {
-                Some((_, name)) => Err(without_meaning(name)),
-                None => Ok(Method::Full),
-            };
-        }
-        Ok(Method::Kfr(KfrSettings {
-            sigma: self.sigma.unwrap_or(KfrSettings::default().sigma),
-            kernel: self.kernel.kernel()?,
-            lp_filter: !self.no_lp_filter,
-            post_filter: self.post_filter,
-        }))
+        Ok(self.method.with_acuity(&acuity))
+    }
+
+    /// Refuses options of other methods.
+    fn check_belonging(&self) -> Result<(), Failure> {
+        let of_kfr = [
+            (self.sigma.is_some(), "--sigma"),
+            (self.kernel.given().is_some(), self.kernel.given().unwrap_or_default()),
+            (self.no_lp_filter, "--no-lp-filter"),
+            (self.post_filter, "--post-filter"),
+        ];
+        let given_of_kfr = of_kfr.iter().find_map(|(given, name)| given.then_some(*name));
+        let given_of_vafr = self.acuity.given();
+        let given_of_planar = self.display_limit.then_some("--display-limit");
+        let foreign = match self.method {
+            MethodName::Full => {
+                return match given_of_kfr.or(given_of_vafr).or(given_of_planar) {
+                    Some(name) => Err(without_meaning(name)),
+                    None => Ok(()),
+                };
+            }
+            MethodName::Kfr => given_of_vafr.or(given_of_planar),
+            MethodName::Vafr => given_of_kfr.or(given_of_planar),
+            MethodName::VafrPlanar => given_of_kfr,
+            _ => given_of_kfr.or(given_of_vafr).or(given_of_planar),
+        };
+        foreign.map_or(Ok(()), |name| {
+            let method = self.method.name();
+            Err(Failure::usage(format!("{name} has no meaning with --method {method}; leave it out")))
+        })
     }
 }
 

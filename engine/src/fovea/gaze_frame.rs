@@ -61,6 +61,16 @@ impl GazeFrame {
         Self { gaze_px, base_px, ray_from_offset, offset_from_ray: ray_from_offset.inverse() }
     }
 
+    /// As [`Self::planar`], with circles of equal distance in pixels: one tangent per px along both axes.
+    #[must_use]
+    pub(super) fn by_pixels(display: &DisplayGeometry, gaze_px: DVec2, tangent_per_px: f64) -> Self {
+        let gaze_px = usable_gaze_px(display, gaze_px);
+        let base_px = base_px(display, gaze_px);
+        let base = ((base_px - gaze_px) * tangent_per_px).extend(1.0);
+        let ray_from_offset = DMat3::from_cols(DVec3::X * tangent_per_px, DVec3::Y * tangent_per_px, base);
+        Self { gaze_px, base_px, ray_from_offset, offset_from_ray: ray_from_offset.inverse() }
+    }
+
     /// The gaze in use, px.
     #[must_use]
     pub fn gaze_px(&self) -> DVec2 {

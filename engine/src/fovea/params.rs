@@ -138,7 +138,7 @@ impl FoveaParams {
 
     /// The block for a mapping by eccentricity. `height`: of the LP-buffer's image, texels.
     #[must_use]
-    pub fn of_radial(mapping: &impl RadialMapping, native_box: [[u32; 2]; 2], height: u32) -> Self {
+    pub fn of_radial(mapping: &impl RadialMapping, height: u32) -> Self {
         let gaze = mapping.gaze_px();
         let (gaze_x, gaze_y) = (hi_lo(gaze.x), hi_lo(gaze.y));
         let [width, display_height] = mapping.display().size_px;
@@ -146,7 +146,6 @@ impl FoveaParams {
         let (base_px, ray_rows, px_rows) = mapping.frame().rows();
         let last = (FORWARD_KNOTS - 1) as f64;
         let pixel = mapping.frame().least_step();
-        let [first, end] = native_box.map(|px| px.map(|value| value as i32));
         // Around the singular point; wider where pixels are compared with the acuity.
         let hole_px = LEAST_NATIVE_RADIUS_PX as f32;
         Self {
@@ -168,9 +167,17 @@ impl FoveaParams {
                 pixel.recip() as f32,
                 INVERSE_NATIVE_BAND,
             ],
-            native_box: [first[0], first[1], end[0], end[1]],
             ..Self::zeroed()
         }
+        .with_disc(f64::from(hole_px) + 1.0)
+    }
+
+    /// The block with the box of its native pixels, as first and end in px.
+    #[must_use]
+    pub fn with_box(mut self, native_box_px: [[u32; 2]; 2]) -> Self {
+        let [first, end] = native_box_px.map(|px| px.map(|value| value as i32));
+        self.native_box = [first[0], first[1], end[0], end[1]];
+        self
     }
 
     /// The block for a mapping by axes. `height`: of the LP-buffer's image, texels.

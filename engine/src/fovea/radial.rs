@@ -8,7 +8,7 @@ use super::vafr::NATIVE_BAND;
 /// A mapping whose columns are circles of equal eccentricity about the gaze of a [`GazeFrame`].
 pub trait RadialMapping: Mapping {
     /// The projection about the gaze.
-    fn frame(&self) -> &GazeFrame;
+    fn frame(&self) -> GazeFrame;
 
     /// Eccentricity in the frame of a column coordinate, rad; clamped to the LP-buffer.
     fn eccentricity_of_column_rad(&self, u: f64) -> f64;

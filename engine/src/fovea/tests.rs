@@ -22,7 +22,7 @@ fn kernels() -> Vec<Kernel> {
 }
 
 /// Gazes on corners, edges and off the display.
-fn hard_gazes(size_px: [u32; 2]) -> Vec<DVec2> {
+pub(super) fn hard_gazes(size_px: [u32; 2]) -> Vec<DVec2> {
     let size = DVec2::new(f64::from(size_px[0]), f64::from(size_px[1]));
     vec![
         size / 2.0,

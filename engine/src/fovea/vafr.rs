@@ -217,8 +217,8 @@ impl Mapping for VafrMapping {
 }
 
 impl RadialMapping for VafrMapping {
-    fn frame(&self) -> &GazeFrame {
-        &self.frame
+    fn frame(&self) -> GazeFrame {
+        self.frame
     }
 
     fn eccentricity_of_column_rad(&self, u: f64) -> f64 {

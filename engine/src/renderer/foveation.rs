@@ -3,8 +3,10 @@
 use super::graph_of::mapping_spec;
 use crate::error::Result;
 use crate::fovea::{
-    ColumnRow, DisplayGeometry, FORWARD_KNOTS, ForwardKnot, FoveaParams, Kernel, KfrMapping, Mapping,
-    VafrMapping, fill_columns, fill_forward,
+    AxesMapping, ColumnLayout, ColumnRow, DisplayGeometry, FORWARD_KNOTS, ForwardKnot, FoveaParams,
+    GuenterMapping, Kernel, KfrMapping, LafrMapping, Mapping, RadialMapping, RmfrMapping, VafrMapping,
+    VisualPolarMapping, axes_knots, axes_table_rows, fill_axes_columns, fill_axes_forward, fill_columns,
+    fill_forward,
 };
 use crate::gpu::Context;
 use crate::passes::{FrameBuffers, LpRoom, PointTables, Way, map_any};
@@ -18,6 +20,7 @@ use std::sync::Arc;
 pub(super) enum MappingKind {
     Kernel = 0,
     Radial = 1,
+    Axes = 2,
 }
 
 /// The mapping in use.
@@ -37,62 +40,149 @@ enum Active {
     None,
     Kernel(KfrSettings),
     Vafr(Box<VafrMapping>),
+    Lafr(Box<LafrMapping>),
+    VisualPolar(Box<VisualPolarMapping>),
+    Rmfr(Box<RmfrMapping>),
+    Guenter(Box<GuenterMapping>),
+}
+
+impl Active {
+    fn new(method: &Method, display: &DisplayGeometry) -> Self {
+        let gaze_px = display.center_px();
+        match method {
+            Method::Full => Self::None,
+            Method::Kfr(kfr) => Self::Kernel(kfr.clone()),
+            Method::Vafr(vafr) => {
+                let acuity = Arc::new(vafr.acuity.clone());
+                Self::Vafr(Box::new(VafrMapping::new(vafr.form, display, gaze_px, &acuity)))
+            }
+            Method::Lafr(params) => Self::Lafr(Box::new(LafrMapping::new(*display, gaze_px, *params))),
+            Method::VisualPolar(params) => {
+                Self::VisualPolar(Box::new(VisualPolarMapping::new(*display, gaze_px, *params)))
+            }
+            Method::Rmfr(params) => Self::Rmfr(Box::new(RmfrMapping::new(*display, gaze_px, *params))),
+            Method::Guenter(params) => {
+                Self::Guenter(Box::new(GuenterMapping::new(*display, gaze_px, *params)))
+            }
+        }
+    }
+
+    /// The columns of the methods whose tables the CPU computes.
+    fn columns(&self) -> Option<&ColumnLayout> {
+        match self {
+            Self::None | Self::Kernel(_) => None,
+            Self::Vafr(mapping) => Some(mapping.columns()),
+            Self::Lafr(mapping) => Some(mapping.columns()),
+            Self::VisualPolar(mapping) => Some(mapping.columns()),
+            Self::Rmfr(mapping) => Some(mapping.columns()),
+            Self::Guenter(mapping) => Some(mapping.columns()),
+        }
+    }
+
+    /// Rows of 16 bytes of the table by columns and rows, and knots of the forward table.
+    fn table_sizes(&self) -> [usize; 2] {
+        match self {
+            Self::Rmfr(mapping) => [axes_table_rows(mapping.as_ref()), axes_knots(mapping.as_ref())],
+            Self::Guenter(mapping) => [axes_table_rows(mapping.as_ref()), axes_knots(mapping.as_ref())],
+            _ => [2 * self.columns().map_or(0, |columns| columns.heights().len()), FORWARD_KNOTS],
+        }
+    }
+
+    /// The block for a gaze. `room`: native pixels, height of the LP-buffer's image.
+    fn params(
+        &mut self,
+        display: &DisplayGeometry,
+        (native, height): (u64, u32),
+        gaze_px: DVec2,
+    ) -> FoveaParams {
+        match self {
+            Self::None => FoveaParams::new(&KfrMapping::new(display.size_px, gaze_px, Kernel::Sine, 1.0)),
+            Self::Kernel(kfr) => kernel_params(display, kfr, native, gaze_px),
+            Self::Vafr(mapping) => {
+                mapping.retarget(gaze_px);
+                FoveaParams::of_radial(mapping.as_ref(), height).with_box(mapping.native_box_px())
+            }
+            Self::Lafr(mapping) => {
+                mapping.retarget(gaze_px);
+                FoveaParams::of_radial(mapping.as_ref(), height)
+            }
+            Self::VisualPolar(mapping) => {
+                mapping.retarget(gaze_px);
+                FoveaParams::of_radial(mapping.as_ref(), height)
+            }
+            Self::Rmfr(mapping) => {
+                mapping.retarget(gaze_px);
+                FoveaParams::of_axes(mapping.as_ref(), height)
+            }
+            Self::Guenter(mapping) => {
+                mapping.retarget(gaze_px);
+                FoveaParams::of_axes(mapping.as_ref(), height)
+            }
+        }
+    }
+
+    fn fill(&self, rows: &mut [ColumnRow], knots: &mut [ForwardKnot]) {
+        match self {
+            Self::None | Self::Kernel(_) => {}
+            Self::Vafr(mapping) => fill_radial(mapping.as_ref(), rows, knots),
+            Self::Lafr(mapping) => fill_radial(mapping.as_ref(), rows, knots),
+            Self::VisualPolar(mapping) => fill_radial(mapping.as_ref(), rows, knots),
+            Self::Rmfr(mapping) => fill_axes(mapping.as_ref(), rows, knots),
+            Self::Guenter(mapping) => fill_axes(mapping.as_ref(), rows, knots),
+        }
+    }
+}
+
+fn fill_radial(mapping: &impl RadialMapping, rows: &mut [ColumnRow], knots: &mut [ForwardKnot]) {
+    fill_columns(mapping, rows);
+    fill_forward(mapping, knots);
+}
+
+fn fill_axes(mapping: &impl AxesMapping, rows: &mut [ColumnRow], knots: &mut [ForwardKnot]) {
+    fill_axes_columns(mapping, rows);
+    fill_axes_forward(mapping, knots);
 }
 
 impl Foveation {
     /// For checked settings.
     pub(super) fn new(settings: &RenderSettings) -> Self {
         let display = settings.display;
-        let centre = display.center_px();
-        let active = match &settings.method {
-            Method::Full => Active::None,
-            Method::Kfr(kfr) => Active::Kernel(kfr.clone()),
-            Method::Vafr(vafr) => Active::Vafr(Box::new(VafrMapping::new(
-                vafr.form,
-                &display,
-                centre,
-                &Arc::new(vafr.acuity.clone()),
-            ))),
-        };
         let room = LpRoom { size: [1, 1], texels: 1, native: 0, table_rows: 1, knots: 1 };
-        let mut made =
-            Self { display, active, room, widest_box_px: [0, 0], knots: Vec::new(), rows: Vec::new() };
+        let mut made = Self {
+            display,
+            active: Active::new(&settings.method, &display),
+            room,
+            widest_box_px: [0, 0],
+            knots: vec![[0.0; 2]],
+            rows: Vec::new(),
+        };
         made.make_room();
         made
     }
 
     fn make_room(&mut self) {
         let [width, height] = self.display.size_px.map(u64::from);
-        match &self.active {
-            Active::None => {}
-            Active::Kernel(kfr) => {
-                let size =
-                    KfrMapping::new(self.display.size_px, self.display.center_px(), kfr.kernel, kfr.sigma)
-                        .lp_size();
-                let texels = u64::from(size[0]) * u64::from(size[1]);
-                self.room = LpRoom {
-                    size,
-                    texels,
-                    native: (width * height).min(texels / 2 + KFR_NATIVE_ROOM),
-                    table_rows: 2 * u64::from(size[0]) + u64::from(size[1]),
-                    knots: 1,
-                };
-            }
-            Active::Vafr(mapping) => {
-                let columns = mapping.columns();
-                self.room = LpRoom {
-                    size: columns.size(),
-                    texels: columns.texels(),
-                    native: 0,
-                    table_rows: 2 * columns.heights().len() as u64,
-                    knots: FORWARD_KNOTS as u64,
-                };
-                self.rows = vec![[[0.0; 4]; 2]; columns.heights().len()];
-                self.knots = vec![[0.0; 2]; FORWARD_KNOTS];
-            }
+        if let Active::Kernel(kfr) = &self.active {
+            let centre = self.display.center_px();
+            let size = KfrMapping::new(self.display.size_px, centre, kfr.kernel, kfr.sigma).lp_size();
+            let texels = u64::from(size[0]) * u64::from(size[1]);
+            self.room = LpRoom {
+                size,
+                texels,
+                native: (width * height).min(texels / 2 + KFR_NATIVE_ROOM),
+                table_rows: 2 * u64::from(size[0]) + u64::from(size[1]),
+                knots: 1,
+            };
+        } else if let Some(columns) = self.active.columns() {
+            let (size, texels) = (columns.size(), columns.texels());
+            let [rows, knots] = self.active.table_sizes();
+            self.rows = vec![[[0.0; 4]; 2]; rows.div_ceil(2)];
+            self.knots = vec![[0.0; 2]; knots];
+            let table_rows = 2 * self.rows.len() as u64;
+            self.room = LpRoom { size, texels, native: 0, table_rows, knots: knots as u64 };
         }
         self.widest_box_px = self.find_widest_box_px();
-        if self.room.native == 0 && !matches!(self.active, Active::None) {
+        if self.active.columns().is_some() {
             let [box_width, box_height] = self.widest_box_px.map(u64::from);
             self.room.native = (box_width * box_height).min(width * height);
         }
@@ -101,7 +191,8 @@ impl Foveation {
     pub(super) fn kind(&self) -> MappingKind {
         match self.active {
             Active::None | Active::Kernel(_) => MappingKind::Kernel,
-            Active::Vafr(_) => MappingKind::Radial,
+            Active::Vafr(_) | Active::Lafr(_) | Active::VisualPolar(_) => MappingKind::Radial,
+            Active::Rmfr(_) | Active::Guenter(_) => MappingKind::Axes,
         }
     }
 
@@ -131,24 +222,15 @@ impl Foveation {
 
     /// The block for a gaze.
     pub(super) fn params(&mut self, gaze_px: DVec2) -> FoveaParams {
-        match &mut self.active {
-            Active::None => {
-                FoveaParams::new(&KfrMapping::new(self.display.size_px, gaze_px, Kernel::Sine, 1.0))
-            }
-            Active::Kernel(kfr) => kernel_params(&self.display, kfr, self.room.native, gaze_px),
-            Active::Vafr(mapping) => {
-                mapping.retarget(gaze_px);
-                FoveaParams::of_radial(mapping.as_ref(), mapping.native_box_px(), self.room.size[1])
-            }
-        }
+        self.active.params(&self.display, (self.room.native, self.room.size[1]), gaze_px)
     }
 
     /// Texels of the columns that a block uses.
     pub(super) fn texels_in_use(&self, params: &FoveaParams) -> u64 {
-        match &self.active {
-            Active::None | Active::Kernel(_) => u64::from(params.size[2]) * u64::from(params.size[3]),
-            Active::Vafr(mapping) => mapping.columns().offsets()[params.size[2] as usize],
-        }
+        let [_, _, columns, rows] = params.size;
+        self.active
+            .columns()
+            .map_or(u64::from(columns) * u64::from(rows), |of| of.offsets()[columns as usize])
     }
 
     /// Maps points on the GPU for a gaze, as the passes do.
@@ -164,34 +246,38 @@ impl Foveation {
         points: &[[f32; 4]],
     ) -> Result<Vec<[f32; 4]>> {
         let params = self.params(gaze_px);
-        self.fill_tables();
+        self.active.fill(&mut self.rows, &mut self.knots);
         let spec = mapping_spec(self.kind(), method);
         let tables = PointTables {
             params,
             lp_tables: (self.kind() != MappingKind::Kernel).then_some(&self.rows),
-            forward: if self.knots.is_empty() { &[[0.0; 2]] } else { &self.knots },
+            forward: &self.knots,
             table_bytes: 16 * self.room.table_rows,
             spec: &spec,
         };
         map_any(context, &tables, way, points)
     }
 
-    fn fill_tables(&mut self) {
-        if let Active::Vafr(mapping) = &self.active {
-            fill_columns(mapping.as_ref(), &mut self.rows);
-            fill_forward(mapping.as_ref(), &mut self.knots);
+    /// Writes the tables that do not depend on the gaze, once for each frame slot.
+    pub(super) fn write_fixed_tables(&mut self, buffers: &mut FrameBuffers) {
+        if matches!(self.active, Active::Vafr(_)) {
+            for slot in 0..buffers.lp_tables.len() {
+                self.write_tables(buffers, slot);
+            }
         }
     }
 
-    /// Writes what does not depend on the gaze, once for each frame slot.
-    pub(super) fn write_tables(&mut self, buffers: &mut FrameBuffers) {
-        self.fill_tables();
-        if self.kind() != MappingKind::Kernel {
-            for (tables, forward) in buffers.lp_tables.iter_mut().zip(&mut buffers.forward_tables) {
-                tables.write(0, &self.rows);
-                forward.write(0, &self.knots);
-            }
+    /// Writes the tables that follow the gaze of the last block.
+    pub(super) fn write_gaze_tables(&mut self, buffers: &mut FrameBuffers, slot: usize) {
+        if self.kind() != MappingKind::Kernel && !matches!(self.active, Active::Vafr(_)) {
+            self.write_tables(buffers, slot);
         }
+    }
+
+    fn write_tables(&mut self, buffers: &mut FrameBuffers, slot: usize) {
+        self.active.fill(&mut self.rows, &mut self.knots);
+        buffers.lp_tables[slot].write(0, &self.rows);
+        buffers.forward_tables[slot].write(0, &self.knots);
     }
 }
 

@@ -4,36 +4,37 @@ use crate::failure::Failure;
 use crate::library;
 use crate::options::{DisplayArgs, KernelArgs, parse_pair};
 use crate::output;
-use clap::{Args, ValueEnum};
+use crate::shading::{AcuityArgs, MethodName};
+use clap::Args;
 use glam::DVec2;
-use macula::fovea::{Kernel, LpCoord};
-use macula::headless::{HeadlessDevice, map_points_on_gpu};
+use macula::fovea::{Kernel, LpCoord, Mapping};
+use macula::headless::{GpuMapping, HeadlessDevice, map_points_on_gpu};
+use macula::settings::{Method, RenderSettings};
 use serde::Serialize;
 use std::io::{self, BufRead};
 
 /// Points that are mapped and printed at a time: bounds the memory that a long input takes.
 const BATCH: usize = 1 << 16;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MapMethod {
-    /// Kernel foveated rendering.
-    Kfr,
-}
-
-/// Map display points to log-polar coordinates
+/// Map display points to the LP-buffer's coordinates
 ///
 /// Reads `x,y` lines (display pixels, x right, y down, pixel centres at .5) from standard input and
-/// prints a JSON line for each: x, y, u_norm (along the radius) and v_norm (along the angle), both 0
-/// to 1. With --json all points come in one document.
+/// prints a JSON line for each. kfr: x, y, u_norm (along the radius) and v_norm (along the angle), both 0
+/// to 1. Other methods: x, y, ecc_deg (eccentricity as an angle between rays), u (texels), height (texels
+/// of the column there, before rounding), v (texels) and native (the pixel is shaded itself); u, height
+/// and v are null where the method has no texels. With --json all points come in one document.
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  echo 0.5,0.5 | macula map --size 1920x1080 --gaze-px 960,540\n  \
-                        macula map --kernel poly --beta 0,0.25,0.25,0.5 --gaze-px 100,900 < points.csv")]
+                        macula map --kernel poly --beta 0,0.25,0.25,0.5 --gaze-px 100,900 < points.csv\n  \
+                        macula map --method vafr --display vive-pro-eye < points.csv")]
 pub struct MapArgs {
     /// The mapping
-    #[arg(long, value_enum, default_value = "kfr")]
-    method: MapMethod,
+    #[arg(long, value_enum, value_name = "NAME", default_value = "kfr")]
+    method: MethodName,
     #[command(flatten)]
     kernel: KernelArgs,
+    #[command(flatten)]
+    acuity: AcuityArgs,
     #[command(flatten)]
     display: DisplayArgs,
     /// Gaze in display pixels; off the display is allowed [default: the display's centre]
@@ -45,34 +46,109 @@ pub struct MapArgs {
 }
 
 #[derive(Serialize)]
-struct MappedPoint {
-    x: f64,
-    y: f64,
-    u_norm: f64,
-    v_norm: f64,
+#[serde(untagged)]
+enum MappedPoint {
+    /// By kernels.
+    Shares { x: f64, y: f64, u_norm: f64, v_norm: f64 },
+    /// By the other methods.
+    Texels { x: f64, y: f64, ecc_deg: f64, u: Option<f64>, height: Option<f64>, v: Option<f64>, native: bool },
 }
 
-struct Mapper<'a> {
+enum Mapper {
+    Kernel(Kernel),
+    KernelOnGpu(Kernel, HeadlessDevice),
+    Any(Box<dyn Mapping>),
+    AnyOnGpu(Box<dyn Mapping>, GpuMapping),
+}
+
+struct Job<'a> {
     args: &'a MapArgs,
-    kernel: Kernel,
     gaze_px: DVec2,
-    device: Option<HeadlessDevice>,
+    mapper: Mapper,
 }
 
-impl Mapper<'_> {
-    fn map(&self, points: &[DVec2]) -> Result<Vec<MappedPoint>, Failure> {
-        let display = self.args.display.geometry();
-        let mapped = match &self.device {
-            Some(device) => map_points_on_gpu(device, &display, self.gaze_px, &self.kernel, points)?,
-            None => library::map_on_cpu(&display, self.gaze_px, &self.kernel, points),
+impl<'a> Job<'a> {
+    fn new(args: &'a MapArgs) -> Result<Self, Failure> {
+        let display = args.display.geometry();
+        display.check()?;
+        let gaze_px = args.gaze_px.unwrap_or(display.center_px());
+        let device = if args.gpu { Some(library::device(true)?) } else { None };
+        if args.method == MethodName::Kfr {
+            if let Some(name) = args.acuity.given() {
+                return Err(Failure::usage(format!("{name} has no meaning with --method kfr; leave it out")));
+            }
+            let kernel = args.kernel.kernel()?;
+            let mapper = match device {
+                Some(device) => Mapper::KernelOnGpu(kernel, device),
+                None => Mapper::Kernel(kernel),
+            };
+            return Ok(Self { args, gaze_px, mapper });
+        }
+        if let Some(name) = args.kernel.given() {
+            let method = args.method.name();
+            return Err(Failure::usage(format!(
+                "{name} has no meaning with --method {method}; leave it out"
+            )));
+        }
+        let method: Method = args.method.with_acuity(&args.acuity.model()?);
+        let mapping = method.mapping(&display, gaze_px).ok_or_else(|| {
+            Failure::usage("full shading maps nothing; choose a foveated method with --method")
+        })?;
+        let mapper = match device {
+            Some(device) => {
+                Mapper::AnyOnGpu(mapping, GpuMapping::new(&device, &RenderSettings::new(display, method))?)
+            }
+            None => Mapper::Any(mapping),
         };
-        let named = |(point, LpCoord { u_norm, v_norm }): (&DVec2, LpCoord)| MappedPoint {
+        Ok(Self { args, gaze_px, mapper })
+    }
+
+    fn map(&mut self, points: &[DVec2]) -> Result<Vec<MappedPoint>, Failure> {
+        let display = self.args.display.geometry();
+        let shares = |(point, LpCoord { u_norm, v_norm }): (&DVec2, LpCoord)| MappedPoint::Shares {
             x: point.x,
             y: point.y,
             u_norm,
             v_norm,
         };
-        Ok(points.iter().zip(mapped).map(named).collect())
+        match &mut self.mapper {
+            Mapper::Kernel(kernel) => {
+                let mapped = library::map_on_cpu(&display, self.gaze_px, kernel, points);
+                Ok(points.iter().zip(mapped).map(shares).collect())
+            }
+            Mapper::KernelOnGpu(kernel, device) => {
+                let mapped = map_points_on_gpu(device, &display, self.gaze_px, kernel, points)?;
+                Ok(points.iter().zip(mapped).map(shares).collect())
+            }
+            Mapper::Any(mapping) => Ok(points.iter().map(|px| texels(mapping.as_ref(), *px)).collect()),
+            Mapper::AnyOnGpu(mapping, on_gpu) => {
+                let mapped = on_gpu.forward(self.gaze_px, points)?;
+                let place = |(px, at): (&DVec2, macula::headless::MappedPoint)| MappedPoint::Texels {
+                    x: px.x,
+                    y: px.y,
+                    ecc_deg: display.eccentricity_rad(mapping.gaze_px(), *px).to_degrees(),
+                    u: Some(at.point.u),
+                    height: Some(mapping.column_height(at.point.u)),
+                    v: Some(at.point.v_share * mapping.column_height(at.point.u)),
+                    native: at.past_native <= 0.0,
+                };
+                Ok(points.iter().zip(mapped).map(place).collect())
+            }
+        }
+    }
+}
+
+fn texels(mapping: &dyn Mapping, px: DVec2) -> MappedPoint {
+    let point = mapping.forward(px);
+    let height = point.map(|point| mapping.column_height(point.u));
+    MappedPoint::Texels {
+        x: px.x,
+        y: px.y,
+        ecc_deg: mapping.display().eccentricity_rad(mapping.gaze_px(), px).to_degrees(),
+        u: point.map(|point| point.u),
+        height,
+        v: point.zip(height).map(|(point, height)| point.v_share * height),
+        native: mapping.is_native(px),
     }
 }
 
@@ -81,15 +157,10 @@ impl Mapper<'_> {
 /// # Errors
 /// A line that is not a point, or what the device reports.
 pub fn run(args: &MapArgs, json: bool) -> Result<(), Failure> {
-    let MapMethod::Kfr = args.method;
-    let kernel = args.kernel.kernel()?;
-    args.display.geometry().check()?;
-    let centre = DVec2::from_array(args.display.size_px().map(f64::from)) / 2.0;
-    let device = if args.gpu { Some(library::device(true)?) } else { None };
-    let mapper = Mapper { args, kernel, gaze_px: args.gaze_px.unwrap_or(centre), device };
+    let mut job = Job::new(args)?;
     let mut all = Vec::new();
     read_points(io::stdin().lock(), |points| {
-        let mapped = mapper.map(points)?;
+        let mapped = job.map(points)?;
         if json {
             all.extend(mapped);
             return Ok(());
@@ -100,10 +171,10 @@ pub fn run(args: &MapArgs, json: bool) -> Result<(), Failure> {
         return Ok(());
     }
     output::print_json(&serde_json::json!({
-        "method": "kfr",
+        "method": args.method.name(),
         "size": args.display.size_px(),
         "hfov_deg": args.display.hfov_deg(),
-        "gaze_px": mapper.gaze_px.to_array(),
+        "gaze_px": job.gaze_px.to_array(),
         "points": all,
     }))
 }

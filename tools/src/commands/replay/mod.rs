@@ -213,7 +213,9 @@ impl ReplayArgs {
         if !(self.from >= 0.0 && self.from.is_finite()) {
             return Err(Failure::usage(format!("--from is {}; give seconds, 0 or more", self.from)));
         }
-        let mut settings = RenderSettings::new(self.display.geometry(), self.shading.method()?);
+        let display = self.display.geometry();
+        display.check()?;
+        let mut settings = RenderSettings::new(display, self.shading.method(&display)?);
         settings.check_finite = true;
         settings.check()?;
         Ok(settings)
