@@ -8,6 +8,7 @@ mod kernel;
 mod kfr;
 mod mapping;
 mod params;
+mod presets;
 #[cfg(test)]
 mod tests;
 
@@ -17,3 +18,4 @@ pub use kernel::{Kernel, MAX_COEFFICIENTS};
 pub use kfr::{KfrMapping, LpCoord, LpJacobian};
 pub use mapping::{ColumnLayout, LpPoint, Mapping, Rates, TexelJacobian};
 pub use params::{FoveaParams, GazeKeeper, MAX_GAZE_PX};
+pub use presets::DisplayPreset;
