@@ -1,15 +1,16 @@
 //! Measuring the rows.
 
 use super::KfrBenchArgs;
-use super::paper::{self, PublishedPass, PublishedRate, SceneKind};
-use crate::content::{CameraArgs, Source, Subject, neutral_light};
+use super::loaded::Loaded;
+use super::paper::{self, PublishedPass, PublishedRate};
+use crate::content::Source;
 use crate::failure::Failure;
 use crate::library;
 use crate::measure::{PassMedian, Speedup, gpu_times, measure_pairs, median, pass_medians, speedup, time_of};
-use crate::options::{HallArgs, gaze_px};
+use crate::options::HallArgs;
 use crate::progress::Steps;
 use macula::fovea::DisplayGeometry;
-use macula::headless::{FrameInput, GpuContent, HeadlessDevice, OffscreenRenderer};
+use macula::headless::OffscreenRenderer;
 use macula::settings::{KfrSettings, Method, RenderSettings};
 use macula::stats::FrameStats;
 use serde::Serialize;
