@@ -23,17 +23,11 @@ shared uint group_on_display;
 shared uint group_shaded_on_display;
 shared uint group_first;
 
-// Distance of a point to the display, px; 0 inside.
-float outside_px(vec2 px) {
-    vec2 size = fovea.size_f.zw;
-    return length(max(max(-px, px - size), vec2(0.0)));
-}
-
 // A texel is read if a pixel of the display that is not wholly native interpolates with it.
 bool texel_needed(uvec2 texel, out bool on_display) {
     TexelReach reach = texel_reach(texel);
     on_display = all(greaterThanEqual(reach.px, vec2(0.0))) && all(lessThan(reach.px, fovea.size_f.zw));
-    return reach.into >= 0.0 && outside_px(reach.px) <= reach.reach_px;
+    return reach.seen && reach.into >= 0.0;
 }
 
 // A pixel is shaded itself where the picture does not come from the LP-buffer alone.

@@ -42,6 +42,7 @@ struct FoveaParams {
     vec4 base_px;      // origin of offsets on the display: x hi, y hi, x lo, y lo
     vec4 ray_rows[3];  // ray in the gaze's frame from (offset, 1)
     vec4 px_rows[3];   // the inverse
+    vec4 edges[4];     // unit normals, inwards, of the planes through the gaze's frame and the display's edges
     vec4 table;        // knots per unit, last knot, px per unit of the plane at distance 1, 1 / native band
     ivec4 native_box;  // first px, end px
     vec4 native_rect;  // x0, y0, x1, y1 in px
