@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::options::KernelArgs;
 use clap::{Args, ValueEnum};
 use macula::fovea::VafrForm;
-use macula::settings::{KfrSettings, Method, VafrSettings};
+use macula::settings::{KfrSettings, LpFilter, Method, VafrSettings};
 
 /// The methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -19,6 +19,27 @@ pub enum MethodName {
     VafrPlanar,
 }
 
+/// The filters over the LP-buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum LpFilterName {
+    /// The texels as they were shaded
+    None,
+    /// 3x3 in the periphery: blurs evenly
+    Gaussian,
+    /// Fast approximate anti-aliasing: smooths edges only
+    Fxaa,
+}
+
+impl LpFilterName {
+    fn filter(self) -> LpFilter {
+        match self {
+            Self::None => LpFilter::None,
+            Self::Gaussian => LpFilter::Gaussian,
+            Self::Fxaa => LpFilter::Fxaa,
+        }
+    }
+}
+
 /// The method with its parameters.
 #[derive(Args, Clone, Debug)]
 pub struct ShadingArgs {
@@ -30,9 +51,9 @@ pub struct ShadingArgs {
     sigma: Option<f64>,
     #[command(flatten, next_help_heading = "Foveation")]
     kernel: KernelArgs,
-    /// Leave out the LP-buffer's Gaussian in the periphery
-    #[arg(long, help_heading = "Foveation")]
-    no_lp_filter: bool,
+    /// Anti-aliasing of the LP-buffer [default: gaussian with kfr, fxaa with vafr and vafr-planar]
+    #[arg(long, value_enum, value_name = "FILTER", help_heading = "Foveation")]
+    lp_filter: Option<LpFilterName>,
     /// Gaussian on the display that grows with the distance from the gaze
     #[arg(long, help_heading = "Foveation")]
     post_filter: bool,
@@ -54,17 +75,20 @@ impl ShadingArgs {
     /// # Errors
     /// [`Failure::Usage`] for a parameter that belongs to another method or is out of range.
     pub fn method(&self) -> Result<Method, Failure> {
-        if self.method == MethodName::Vafr {
-            return Ok(Method::Vafr(VafrSettings::default()));
-        }
-        if self.method == MethodName::VafrPlanar {
-            return Ok(Method::Vafr(VafrSettings { form: VafrForm::Planar, ..VafrSettings::default() }));
+        let lp_filter = self.lp_filter.map(LpFilterName::filter);
+        if let MethodName::Vafr | MethodName::VafrPlanar = self.method {
+            let defaults = VafrSettings::default();
+            return Ok(Method::Vafr(VafrSettings {
+                form: if self.method == MethodName::Vafr { VafrForm::Sphere } else { VafrForm::Planar },
+                lp_filter: lp_filter.unwrap_or(defaults.lp_filter),
+                ..defaults
+            }));
         }
         if self.method == MethodName::Full {
             let of_kfr = [
                 (self.sigma.is_some(), "--sigma"),
                 (self.kernel.given().is_some(), self.kernel.given().unwrap_or_default()),
-                (self.no_lp_filter, "--no-lp-filter"),
+                (self.lp_filter.is_some(), "--lp-filter"),
                 (self.post_filter, "--post-filter"),
             ];
             return match of_kfr.iter().find(|(given, _)| *given) {
@@ -72,10 +96,11 @@ impl ShadingArgs {
                 None => Ok(Method::Full),
             };
         }
+        let defaults = KfrSettings::default();
         Ok(Method::Kfr(KfrSettings {
-            sigma: self.sigma.unwrap_or(KfrSettings::default().sigma),
+            sigma: self.sigma.unwrap_or(defaults.sigma),
             kernel: self.kernel.kernel()?,
-            lp_filter: !self.no_lp_filter,
+            lp_filter: lp_filter.unwrap_or(defaults.lp_filter),
             post_filter: self.post_filter,
         }))
     }

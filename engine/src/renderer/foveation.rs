@@ -5,7 +5,7 @@ use crate::fovea::{
     VafrMapping, fill_columns, fill_forward,
 };
 use crate::passes::{FrameBuffers, LpRoom};
-use crate::settings::{KfrSettings, Method, RenderSettings};
+use crate::settings::{KfrSettings, LpFilter, Method, RenderSettings};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -21,6 +21,7 @@ pub(super) enum MappingKind {
 pub(super) struct Foveation {
     display: DisplayGeometry,
     active: Active,
+    lp_filter: LpFilter,
     room: LpRoom,
     /// The native box of any gaze on the display is at most as large, px.
     widest_box_px: [u32; 2],
@@ -52,8 +53,15 @@ impl Foveation {
             ))),
         };
         let room = LpRoom { size: [1, 1], texels: 1, native: 0, table_rows: 1, knots: 1 };
-        let mut made =
-            Self { display, active, room, widest_box_px: [0, 0], knots: Vec::new(), rows: Vec::new() };
+        let mut made = Self {
+            display,
+            active,
+            lp_filter: settings.method.lp_filter(),
+            room,
+            widest_box_px: [0, 0],
+            knots: Vec::new(),
+            rows: Vec::new(),
+        };
         made.make_room();
         made
     }
@@ -128,7 +136,7 @@ impl Foveation {
 
     /// The block for a gaze.
     pub(super) fn params(&mut self, gaze_px: DVec2) -> FoveaParams {
-        match &mut self.active {
+        let mut params = match &mut self.active {
             Active::None => {
                 FoveaParams::new(&KfrMapping::new(self.display.size_px, gaze_px, Kernel::Sine, 1.0))
             }
@@ -137,7 +145,14 @@ impl Foveation {
                 mapping.retarget(gaze_px);
                 FoveaParams::of_radial(mapping.as_ref(), mapping.native_box_px(), self.room.size[1])
             }
+        };
+        // KFR's Gaussian leaves out the columns whose texels are finer than a pixel or little coarser.
+        match (self.lp_filter, &self.active) {
+            (LpFilter::None, _) => params.ring[2] = 1.0,
+            (LpFilter::Gaussian, Active::Kernel(_)) => {}
+            (LpFilter::Gaussian | LpFilter::Fxaa, _) => params.ring[2] = 0.0,
         }
+        params
     }
 
     /// Texels of the columns that a block uses.
@@ -171,11 +186,7 @@ fn kernel_params(display: &DisplayGeometry, kfr: &KfrSettings, room: u64, gaze_p
     let mapping = KfrMapping::new(display.size_px, gaze_px, kfr.kernel, kfr.sigma);
     let disc_px = native_radius_px(display, gaze_px, mapping.native_radius_px());
     let most_px = ((room as f64 / PI).sqrt() - 1.0).max(0.0);
-    let mut params = FoveaParams::new(&mapping).with_disc(disc_px.min(most_px));
-    if !kfr.lp_filter {
-        params.ring[2] = 1.0;
-    }
-    params
+    FoveaParams::new(&mapping).with_disc(disc_px.min(most_px))
 }
 
 /// Eccentricity that KFR's native disc should cover, degrees: the fovea and the parafovea.
