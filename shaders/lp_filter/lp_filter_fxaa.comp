@@ -17,8 +17,8 @@ const float EDGE_SHARE = 0.125;
 // Least contrast of an edge in the dark, where the share says little (Lottes: 1/24 shows only in motion).
 const float EDGE_LEAST = 1.0 / 24.0;
 // Most that a texel which stands out is blended. 0 keeps single texels, 1 removes them. Lottes proposes 3/4
-// for pixels; here the inverse pass blurs once more, and against a supersampled picture 3/4 loses up to
-// 0.3 dB on 1/4 at 20 degrees and beyond, where small things are a texel wide.
+// for pixels; here the inverse pass blurs once more, and beyond 20 degrees 3/4 ends 0.2 to
+// 0.5 dB farther from a supersampled picture than 1/4, as small things there are a texel wide.
 const float MOST_ALONE = 0.25;
 // Texels that an edge is followed each way. A longer edge is nearly straight along the buffer; each step
 // costs two luma values.
