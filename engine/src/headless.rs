@@ -13,7 +13,7 @@ use crate::gpu::{Context, Image, owned, submit};
 use crate::host::TargetImage;
 use crate::passes;
 use crate::renderer::{FrameSlot, Renderer};
-use crate::settings::RenderSettings;
+use crate::settings::{LpFilter, RenderSettings};
 use crate::stats::{Effects, FrameStats};
 use ash::vk;
 use glam::DVec2;
@@ -293,6 +293,20 @@ impl OffscreenRenderer {
         let image = &self.renderer.targets().lp;
         let [width, height] = image.size;
         Ok(Some((width, height, read_half(&self.context, "the LP-buffer", image)?)))
+    }
+
+    /// The last LP-buffer after its filter, like [`Self::read_lp`]; `None` where no filter runs. Columns
+    /// that the filter leaves out are undefined.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
+    pub fn read_lp_filtered(&mut self) -> Result<Option<(u32, u32, Vec<f32>)>> {
+        if self.renderer.settings().method.lp_filter() == LpFilter::None {
+            return Ok(None);
+        }
+        let image = &self.renderer.targets().lp_filtered;
+        let [width, height] = image.size;
+        Ok(Some((width, height, read_half(&self.context, "the filtered LP-buffer", image)?)))
     }
 }
 

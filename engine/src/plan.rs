@@ -3,7 +3,7 @@
 use crate::content::SceneFeatures;
 use crate::passes::MAX_SHADOW_VIEWS;
 use crate::scene::{Light, LightKind};
-use crate::settings::{Method, RenderSettings};
+use crate::settings::{LpFilter, Method, RenderSettings};
 use crate::stats::{EffectNote, Effects};
 
 /// What is built.
@@ -22,8 +22,8 @@ pub struct EffectPlan {
     pub shadows: bool,
     /// The forward pass is built.
     pub forward: bool,
-    /// The LP filter runs.
-    pub lp_filter: bool,
+    /// The filter over the LP-buffer.
+    pub lp_filter: LpFilter,
     /// The post filter runs.
     pub post_filter: bool,
     /// Values of the shading kernel's specialization constants.
@@ -175,17 +175,20 @@ impl EffectPlan {
     }
 
     fn after_shading(&mut self, d: &mut Decisions, settings: &RenderSettings) {
+        self.lp_filter = settings.method.lp_filter();
+        if settings.foveated() {
+            let yes = match self.lp_filter {
+                LpFilter::None => "",
+                LpFilter::Gaussian => "Gaussian: peripheral texels cover several pixels each",
+                LpFilter::Fxaa => "FXAA: peripheral texels cover several pixels each",
+            };
+            d.setting("LP filter", self.lp_filter != LpFilter::None, yes, "switched off");
+        } else {
+            d.setting("foveation", false, "", "full shading was asked for");
+        }
         if let Method::Kfr(kfr) = &settings.method {
-            self.lp_filter = d.setting(
-                "LP filter",
-                kfr.lp_filter,
-                "peripheral texels cover several pixels each",
-                "switched off",
-            );
             self.post_filter =
                 d.setting("post filter", kfr.post_filter, "switched on (Eq. 2.14)", "not switched on");
-        } else if !settings.foveated() {
-            d.setting("foveation", false, "", "full shading was asked for");
         }
         d.setting("motion vectors", false, "", "nothing reads them");
         d.setting("check of finite values", settings.check_finite, "asked for", "not asked for");

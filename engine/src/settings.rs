@@ -47,6 +47,35 @@ impl Method {
     }
 }
 
+impl Method {
+    /// The filter over the LP-buffer; none with full shading.
+    #[must_use]
+    pub fn lp_filter(&self) -> LpFilter {
+        match self {
+            Self::Full => LpFilter::None,
+            Self::Kfr(kfr) => kfr.lp_filter,
+            Self::Vafr(vafr) => vafr.lp_filter,
+            // As VaFR's authors have it beside their own: that of KFR.
+            Self::Lafr(_) => LpFilter::Gaussian,
+            Self::VisualPolar(_) | Self::Rmfr(_) | Self::Guenter(_) => LpFilter::None,
+        }
+    }
+}
+
+/// Anti-aliasing of the LP-buffer, before it is mapped back to the display.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LpFilter {
+    /// The texels as they were shaded.
+    #[default]
+    None,
+    /// KFR's 3x3 Gaussian (thesis of 2018, section 2.2.3): it blurs evenly. With KFR it begins where a
+    /// texel covers more than 4 px^2.
+    Gaussian,
+    /// Fast approximate anti-aliasing (Lottes, 2009), as VaFR has it: it smooths edges along their
+    /// direction and leaves the rest.
+    Fxaa,
+}
+
 /// Kernel foveated rendering (thesis of 2018, section 2).
 #[derive(Clone, Debug, PartialEq)]
 pub struct KfrSettings {
@@ -54,8 +83,8 @@ pub struct KfrSettings {
     pub sigma: f64,
     /// Where along the radius the LP-buffer spends its columns.
     pub kernel: Kernel,
-    /// 3x3 Gaussian in the periphery of the LP-buffer (section 2.2.3).
-    pub lp_filter: bool,
+    /// Anti-aliasing of the LP-buffer; the thesis has the Gaussian.
+    pub lp_filter: LpFilter,
     /// Gaussian on the display outside the native disc (Eq. 2.14).
     pub post_filter: bool,
 }
@@ -63,7 +92,12 @@ pub struct KfrSettings {
 impl Default for KfrSettings {
     /// The values that the thesis' user study chose: sigma 1.8, alpha 4.
     fn default() -> Self {
-        Self { sigma: 1.8, kernel: Kernel::Power { alpha: 4.0 }, lp_filter: true, post_filter: false }
+        Self {
+            sigma: 1.8,
+            kernel: Kernel::Power { alpha: 4.0 },
+            lp_filter: LpFilter::Gaussian,
+            post_filter: false,
+        }
     }
 }
 
@@ -74,12 +108,14 @@ pub struct VafrSettings {
     pub form: VafrForm,
     /// The acuity whose samples are shaded.
     pub acuity: AcuityModel,
+    /// Anti-aliasing of the LP-buffer; the paper has FXAA.
+    pub lp_filter: LpFilter,
 }
 
 impl Default for VafrSettings {
-    /// On the sphere, with the paper's acuity model.
+    /// On the sphere, with the paper's acuity model and filter.
     fn default() -> Self {
-        Self { form: VafrForm::Sphere, acuity: AcuityModel::vafr_2025() }
+        Self { form: VafrForm::Sphere, acuity: AcuityModel::vafr_2025(), lp_filter: LpFilter::Fxaa }
     }
 }
 

@@ -35,7 +35,7 @@ struct FoveaParams {
     vec4 octave;    // ln 2 / (2 L) head of 16 bits, tail; L / ln 2 hi, lo
     uvec4 kernel;   // kind, alpha where it is an integer or 0, number of coefficients, 0
     vec4 shape;     // alpha hi, lo, 1 / alpha, 0
-    vec4 ring;      // native radius (px), blend band (px), u_norm of the filter's start, reach (px)
+    vec4 ring;      // native radius (px), blend band (px), u_norm of the LP filter's start (1: none), reach (px)
     vec4 beta_hi[2];
     vec4 beta_lo[2];
     // The other methods; mapping.glsl reads these.

@@ -2,7 +2,7 @@
 // y * width + x of the display; else an LP texel, as v * w + u.
 const uint NATIVE_SAMPLE = 0x80000000u;
 
-// First column of the LP-buffer that the Gaussian filters.
+// First column of the LP-buffer that a filter changes; where none runs, one past the last.
 int first_filtered_column(FoveaParams p) {
     return int(p.ring.z * p.size_f.x);
 }

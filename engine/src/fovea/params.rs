@@ -36,8 +36,8 @@ pub struct FoveaParams {
     pub kernel: [u32; 4],
     /// The power's exponent alpha hi, lo, `1/alpha`, 0.
     pub shape: [f32; 4],
-    /// Native radius (px), blend band (px), `u_norm` from which the LP filter works, distance to
-    /// the farthest corner (px).
+    /// Native radius (px), blend band (px), `u_norm` from which the LP filter works (1: it
+    /// does not), distance to the farthest corner (px).
     pub ring: [f32; 4],
     /// `beta_0` to `beta_7`, hi.
     pub beta_hi: [[f32; 4]; 2],

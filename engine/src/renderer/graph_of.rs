@@ -11,7 +11,7 @@ use crate::passes::{
     LpFilter, LpRoom, LpShade, LpTables, Output, PostFilter, Shadow, TargetSizes, Targets,
 };
 use crate::plan::EffectPlan;
-use crate::settings::{Method, RenderSettings};
+use crate::settings::{self, Method, RenderSettings};
 use ash::vk;
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ pub(super) fn make_targets(
             shadow_views: effects.shadow_views,
             shadows: effects.shadows,
             post_filter: effects.post_filter,
-            lp_filter: effects.lp_filter,
+            lp_filter: effects.lp_filter != settings::LpFilter::None,
         },
     )
 }
@@ -209,13 +209,17 @@ impl Builder<'_> {
         spec.extend_from_slice(&mapping_spec);
         let pass = LpShade::new(context, self.content, targets, buffers, &spec)?;
         graph.pass("lp_shade", &accesses, pass);
-        if self.effects.lp_filter {
+        let filtered = self.effects.lp_filter != settings::LpFilter::None;
+        if filtered {
             let accesses = [
                 (ids.fovea, Access::ComputeRead),
+                (ids.tables, Access::ComputeRead),
                 (ids.lp, Access::ComputeRead),
                 (ids.lp_filtered, Access::ComputeWrite),
             ];
-            graph.pass("lp_filter", &accesses, LpFilter::new(context, targets, buffers)?);
+            let filter = self.effects.lp_filter;
+            let pass = LpFilter::new(context, targets, buffers, filter, &mapping_spec)?;
+            graph.pass("lp_filter", &accesses, pass);
         }
         let mut accesses = vec![
             (ids.fovea, Access::ComputeRead),
@@ -223,7 +227,7 @@ impl Builder<'_> {
             (ids.lp, Access::ComputeRead),
             (ids.hdr, Access::ComputeReadWrite),
         ];
-        if self.effects.lp_filter {
+        if filtered {
             accesses.push((ids.lp_filtered, Access::ComputeRead));
         }
         graph.pass("inverse", &accesses, Inverse::new(context, targets, buffers, &mapping_spec)?);

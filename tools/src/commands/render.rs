@@ -374,7 +374,7 @@ mod tests {
     use super::*;
     use clap::Parser;
     use macula::fovea::Kernel;
-    use macula::settings::Method;
+    use macula::settings::{LpFilter, Method};
 
     #[derive(Parser)]
     struct Only {
@@ -394,7 +394,7 @@ mod tests {
     fn defaults_are_those_of_the_user_study() {
         let Ok(settings) = settings("hall -o a.png") else { panic!() };
         let Method::Kfr(kfr) = &settings.method else { panic!("{settings:?}") };
-        assert!((kfr.sigma - 1.8).abs() < 1e-12 && kfr.lp_filter && !kfr.post_filter);
+        assert!((kfr.sigma - 1.8).abs() < 1e-12 && kfr.lp_filter == LpFilter::Gaussian && !kfr.post_filter);
         assert_eq!(kfr.kernel, Kernel::Power { alpha: 4.0 });
         assert!(settings.check_finite);
     }

@@ -194,7 +194,8 @@ fn no_times() -> Failure {
 }
 
 fn kfr(args: &KfrBenchArgs, post_filter: bool) -> Result<KfrSettings, Failure> {
-    Ok(KfrSettings { sigma: args.sigma, kernel: args.kernel.kernel()?, lp_filter: true, post_filter })
+    let kernel = args.kernel.kernel()?;
+    Ok(KfrSettings { sigma: args.sigma, kernel, post_filter, ..KfrSettings::default() })
 }
 
 fn settings(args: &KfrBenchArgs, size: [u32; 2], method: Method) -> RenderSettings {
