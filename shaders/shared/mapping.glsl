@@ -124,9 +124,10 @@ vec2 place_px(TexelPlace place, vec4 offset) {
 
 // A texel's bounds on the display.
 struct TexelReach {
-    vec2 px;    // centre
-    bool seen;  // a pixel of the display may interpolate with the texel
-    float into; // how far past the native region the outermost of those pixels is; below 0: all are native
+    vec2 px;        // centre
+    bool seen;      // a pixel of the display may interpolate with the texel
+    float reach_px; // those pixels lie within this distance of the centre, or at the horizon a little farther
+    float into;     // how far past the native region the outermost of those pixels is; below 0: all are native
 };
 
 // Distance of a point to the display, px; 0 inside.
@@ -156,8 +157,8 @@ TexelReach radial_reach(uvec2 texel) {
     float ray_length = 1.0 / max(depth, 1e-9);
     // Density and acuity change by less than this over the reach.
     float over_acuity = 1.05 * ray_length * ray_length * ray_length / outer_rest.w;
-    float reach_px = reach * ray_length * ray_length * fovea.table.z + 1.0;
-    float past_disc_px = distance(result.px, fovea.gaze_px.xy) + reach_px - (fovea.ring.x - fovea.ring.y);
+    result.reach_px = reach * ray_length * ray_length * fovea.table.z + 1.0;
+    float past_disc_px = distance(result.px, fovea.gaze_px.xy) + result.reach_px - (fovea.ring.x - fovea.ring.y);
     result.into = min(over_acuity - 1.0, past_disc_px);
     return result;
 }
@@ -168,8 +169,8 @@ TexelReach kernel_reach(uvec2 texel) {
     result.px = texel_px(texel);
     // A pixel reads the four texels around it: those whose centres are less than a texel away.
     float along_px = radii_px.w * (6.2831853 / fovea.size_f.y);
-    float reach_px = length(vec2(radii_px.w - radii_px.y, along_px)) + 1.0;
-    result.seen = outside_px(result.px) <= reach_px;
+    result.reach_px = length(vec2(radii_px.w - radii_px.y, along_px)) + 1.0;
+    result.seen = outside_px(result.px) <= result.reach_px;
     result.into = radii_px.w + 1.0 - (fovea.ring.x - fovea.ring.y);
     return result;
 }
@@ -185,11 +186,11 @@ TexelReach axes_reach(uvec2 texel) {
     vec4 column = lp_tables[2u * texel.x];
     vec4 row = lp_tables[first_row(texel.x) + texel.y];
     result.px = vec2(column.y, row.y);
-    float reach_px = length(vec2(column.z - column.x, row.z - row.x)) + 1.0;
-    result.seen = outside_px(result.px) <= reach_px;
+    result.reach_px = length(vec2(column.z - column.x, row.z - row.x)) + 1.0;
+    result.seen = outside_px(result.px) <= result.reach_px;
     bool inner = float(texel.x) < fovea.axes.z;
     vec4 finer = inner ? fovea.native_rect : fovea.layer_rect;
-    result.into = outside_rect_px(finer, result.px) + reach_px + (inner ? fovea.axes.x : fovea.axes.y);
+    result.into = outside_rect_px(finer, result.px) + result.reach_px + (inner ? fovea.axes.x : fovea.axes.y);
     return result;
 }
 

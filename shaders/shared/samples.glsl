@@ -13,7 +13,7 @@ struct SampleCounts {
     uint shaded_texels;     // LP texels in the list
     uint native_pixels;     // display pixels in the list
     uint shaded_on_display; // of the LP texels in the list, those whose centre lies on the display
+    uint reused;            // samples that the other eye had: not in the list
     uint pad0;
     uint pad1;
-    uint pad2;
 };

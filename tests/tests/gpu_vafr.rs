@@ -132,7 +132,7 @@ fn inside_the_native_disc_the_picture_is_full_shading_bit_for_bit() {
             let mut full = settings([1, 1], 90.0, Method::Full);
             full.display = display;
             let acuity = AcuityModel::vafr_2025().scaled(0.2).unwrap();
-            let method = Method::Vafr(VafrSettings { form: VafrForm::Sphere, acuity });
+            let method = Method::Vafr(VafrSettings { acuity, ..VafrSettings::default() });
             let foveated = RenderSettings { method: method.clone(), ..full.clone() };
             let (want, got) = (frame(&content, &full, gaze_px), frame(&content, &foveated, gaze_px));
             got.check_whole("vafr");
@@ -163,7 +163,7 @@ fn nearly_every_shaded_texel_lands_on_the_display() {
         let gaze_px = share * DVec2::new(960.0, 540.0);
         let mut wanted = settings([960, 540], 100.0, Method::Full);
         wanted.display = display;
-        wanted.method = Method::Vafr(VafrSettings { form: VafrForm::Sphere, acuity: acuity.clone() });
+        wanted.method = Method::Vafr(VafrSettings { acuity: acuity.clone(), ..VafrSettings::default() });
         let got = frame(&content, &wanted, gaze_px);
         got.check_whole("vafr");
         let lp = got.stats.lp.unwrap();

@@ -17,6 +17,9 @@ pub struct Targets {
     pub(crate) depth: Image,
     pub(crate) hdr: Image,
     pub(crate) post_scratch: Image,
+    /// The shaded picture, for the other eye.
+    pub(crate) kept: Image,
+    keeps: bool,
     pub(crate) lp: Image,
     pub(crate) lp_filtered: Image,
     pub(crate) shadow_maps: Image,
@@ -58,6 +61,8 @@ pub struct TargetSizes {
     pub post_filter: bool,
     /// The LP filter runs.
     pub lp_filter: bool,
+    /// The shaded picture is kept for the other eye.
+    pub kept: bool,
 }
 
 impl Targets {
@@ -116,6 +121,8 @@ impl Targets {
                 1,
                 false,
             )?,
+            kept: image("kept", when(sizes.kept, display), half, color, 1, false)?,
+            keeps: sizes.kept,
             lp: image("lp", lp_size, half, color, 1, false)?,
             lp_filtered: image("lp filtered", when(sizes.lp_filter, lp_size), half, color, 1, false)?,
             shadow_maps: image(
@@ -137,6 +144,13 @@ impl Targets {
         Ok(made)
     }
 
+    /// The picture as it was shaded: without blended surfaces and without the post filter. Only where
+    /// [`TargetSizes::kept`] says so, or where neither runs.
+    #[must_use]
+    pub fn shaded(&self) -> &Image {
+        if self.keeps { &self.kept } else { &self.hdr }
+    }
+
     fn initialise(&self, context: &Arc<Context>) -> Result<()> {
         submit::submit_and_wait(context, "preparing the frame's images", |commands| {
             let images = [
@@ -144,6 +158,7 @@ impl Targets {
                 &self.depth,
                 &self.hdr,
                 &self.post_scratch,
+                &self.kept,
                 &self.lp,
                 &self.lp_filtered,
                 &self.shadow_maps,

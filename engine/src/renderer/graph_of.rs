@@ -5,10 +5,11 @@ use crate::content::{GpuContent, GpuScene};
 use crate::error::{Error, Result};
 use crate::fovea::Kernel;
 use crate::gpu::Context;
+use crate::gpu::pipeline::Spec;
 use crate::graph::{Access, Graph, Plan, ResourceId};
 use crate::passes::{
-    FiniteCheck, Forward, FrameArgs, FrameBuffers, FullShade, GBuffer, Inverse, LpClassify, LpDispatch,
-    LpFilter, LpRoom, LpShade, LpTables, Output, PostFilter, Shadow, TargetSizes, Targets,
+    FiniteCheck, Forward, FrameArgs, FrameBuffers, FullShade, GBuffer, Inverse, Keep, LeftEye, LpClassify,
+    LpDispatch, LpFilter, LpRoom, LpShade, LpTables, Output, PostFilter, Shadow, TargetSizes, Targets,
 };
 use crate::plan::EffectPlan;
 use crate::settings::{self, Method, RenderSettings};
@@ -22,6 +23,7 @@ pub(super) fn make_targets(
     settings: &RenderSettings,
     effects: &EffectPlan,
     lp: LpRoom,
+    kept: bool,
 ) -> Result<Targets> {
     Targets::new(
         context,
@@ -33,6 +35,7 @@ pub(super) fn make_targets(
             shadows: effects.shadows,
             post_filter: effects.post_filter,
             lp_filter: effects.lp_filter != settings::LpFilter::None,
+            kept,
         },
     )
 }
@@ -53,12 +56,15 @@ struct Ids {
     lp_filtered: ResourceId,
     hdr: ResourceId,
     post_scratch: ResourceId,
+    kept: ResourceId,
+    /// What the right eye reads of the left one.
+    left: Option<ResourceId>,
     target: ResourceId,
     findings: ResourceId,
 }
 
 impl Ids {
-    fn declare(graph: &mut Graph<FrameArgs>) -> Self {
+    fn declare(graph: &mut Graph<FrameArgs>, eyes: &Eyes<'_>) -> Self {
         Self {
             scene: graph.input("scene"),
             fovea: graph.input("fovea"),
@@ -74,6 +80,8 @@ impl Ids {
             lp_filtered: graph.resource("lp filtered"),
             hdr: graph.resource("hdr"),
             post_scratch: graph.resource("post filter scratch"),
+            kept: graph.resource("kept picture"),
+            left: eyes.left.as_ref().map(|_| graph.input("left eye")),
             target: graph.resource("target"),
             findings: graph.input("findings"),
         }
@@ -89,11 +97,23 @@ struct Builder<'a> {
     targets: &'a Arc<Targets>,
     buffers: &'a FrameBuffers,
     kind: MappingKind,
+    eyes: &'a Eyes<'a>,
     ids: Ids,
     graph: Graph<FrameArgs>,
 }
 
+/// What an eye has to do with the other one.
+#[derive(Default)]
+pub(super) struct Eyes<'a> {
+    /// Its shaded picture is kept for the other eye before anything is drawn over it.
+    pub(super) keeps: bool,
+    /// It takes from this one.
+    pub(super) left: Option<LeftEye<'a>>,
+}
+
 /// Builds the passes and bakes the graph.
+// What the graph is made of; one struct for them would be `Builder` again.
+#[allow(clippy::too_many_arguments)]
 pub(super) fn bake(
     context: &Arc<Context>,
     content: &GpuContent,
@@ -103,10 +123,12 @@ pub(super) fn bake(
     buffers: &FrameBuffers,
     format: vk::Format,
     kind: MappingKind,
+    eyes: &Eyes<'_>,
 ) -> Result<Plan<FrameArgs>> {
     let mut graph = Graph::default();
-    let ids = Ids::declare(&mut graph);
-    let mut builder = Builder { context, content, settings, effects, targets, buffers, kind, ids, graph };
+    let ids = Ids::declare(&mut graph, eyes);
+    let mut builder =
+        Builder { context, content, settings, effects, targets, buffers, kind, eyes, ids, graph };
     if let GpuContent::Scene(scene) = content {
         builder.geometry(scene)?;
     }
@@ -165,10 +187,9 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Which samples, shade them, filter the periphery, back to the display.
-    fn foveated(&mut self) -> Result<()> {
+    /// Which samples there are, and how many workgroups shade them.
+    fn samples(&mut self, mapping_spec: Spec<'_>) -> Result<()> {
         let (context, targets, buffers) = (self.context, self.targets, self.buffers);
-        let reads = self.surface_reads();
         let ids = &self.ids;
         let graph = &mut self.graph;
         // The mapping taken apart into columns and rows, once for all texels.
@@ -179,16 +200,26 @@ impl Builder<'_> {
             let accesses = [(ids.fovea, Access::CopyRead), (ids.tables, Access::CopyWrite)];
             graph.pass("lp_tables", &accesses, LpTables::copied(context, targets, buffers));
         }
-        let mapping_spec = mapping_spec(self.kind, &self.settings.method);
         // Only texels that land on the display, and the native pixels around the gaze.
-        let accesses = [
+        let mut accesses = vec![
             (ids.fovea, Access::ComputeRead),
             (ids.tables, Access::ComputeRead),
             (ids.samples, Access::ComputeWrite),
             (ids.counts, Access::ComputeReadWrite),
             (ids.lp, Access::ComputeWrite),
         ];
-        graph.pass("lp_classify", &accesses, LpClassify::new(context, targets, buffers, &mapping_spec)?);
+        if let Some(left) = ids.left {
+            // What the other eye has shaded already is stored at once and not listed.
+            accesses.extend([
+                (left, Access::ComputeRead),
+                (ids.gbuffer, Access::ComputeRead),
+                (ids.depth, Access::ComputeRead),
+                (ids.hdr, Access::ComputeWrite),
+            ]);
+        }
+        let left = self.eyes.left.as_ref();
+        let pass = LpClassify::new(context, targets, buffers, mapping_spec, left)?;
+        graph.pass("lp_classify", &accesses, pass);
         // As many workgroups as there are samples.
         let accesses = [
             (ids.counts, Access::ComputeReadWrite),
@@ -196,6 +227,17 @@ impl Builder<'_> {
             (ids.stats, Access::ComputeWrite),
         ];
         graph.pass("lp_dispatch", &accesses, LpDispatch::new(context, targets, buffers)?);
+        Ok(())
+    }
+
+    /// Which samples, shade them, filter the periphery, back to the display.
+    fn foveated(&mut self) -> Result<()> {
+        let (context, targets, buffers) = (self.context, self.targets, self.buffers);
+        let mapping_spec = mapping_spec(self.kind, &self.settings.method);
+        self.samples(&mapping_spec)?;
+        let reads = self.surface_reads();
+        let ids = &self.ids;
+        let graph = &mut self.graph;
         let mut accesses = reads;
         accesses.extend([
             (ids.fovea, Access::ComputeRead),
@@ -231,6 +273,11 @@ impl Builder<'_> {
             accesses.push((ids.lp_filtered, Access::ComputeRead));
         }
         graph.pass("inverse", &accesses, Inverse::new(context, targets, buffers, &mapping_spec)?);
+        if self.eyes.keeps {
+            let accesses = [(ids.hdr, Access::CopyRead), (ids.kept, Access::CopyWrite)];
+            graph.pass("keep", &accesses, Keep::new(context, targets));
+            graph.output(ids.kept);
+        }
         if self.effects.post_filter {
             let accesses = [
                 (ids.fovea, Access::ComputeRead),
