@@ -1,6 +1,7 @@
 //! The images and buffers that passes share.
 
 use super::FINDINGS_PER_IMAGE;
+use super::footprint::TILE_PX;
 use crate::content::{GpuContent, GpuScene};
 use crate::error::{Error, Result};
 use crate::fovea::FoveaParams;
@@ -19,6 +20,7 @@ pub struct Targets {
     pub(crate) post_scratch: Image,
     pub(crate) lp: Image,
     pub(crate) lp_filtered: Image,
+    pub(crate) footprint: Image,
     pub(crate) shadow_maps: Image,
     pub(crate) samples: Buffer,
     pub(crate) counts: Buffer,
@@ -58,6 +60,8 @@ pub struct TargetSizes {
     pub post_filter: bool,
     /// The LP filter runs.
     pub lp_filter: bool,
+    /// Maps are sampled by footprints.
+    pub footprint: bool,
 }
 
 impl Targets {
@@ -118,6 +122,14 @@ impl Targets {
             )?,
             lp: image("lp", lp_size, half, color, 1, false)?,
             lp_filtered: image("lp filtered", when(sizes.lp_filter, lp_size), half, color, 1, false)?,
+            footprint: image(
+                "footprint",
+                when(sizes.footprint, display.map(|side| side.div_ceil(TILE_PX))),
+                vk::Format::R32_SFLOAT,
+                Usage::STORAGE | Usage::SAMPLED,
+                1,
+                false,
+            )?,
             shadow_maps: image(
                 "shadow maps",
                 [shadow_side; 2],
@@ -146,6 +158,7 @@ impl Targets {
                 &self.post_scratch,
                 &self.lp,
                 &self.lp_filtered,
+                &self.footprint,
                 &self.shadow_maps,
             ];
             submit::to_general(context, commands, &images);
