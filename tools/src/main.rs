@@ -39,6 +39,7 @@ struct Cli {
 #[derive(Subcommand, Debug)]
 enum Command {
     Doctor(commands::doctor::DoctorArgs),
+    Displays(commands::displays::DisplaysArgs),
     /// Generate scenes
     #[command(subcommand)]
     Scene(commands::scene::SceneCommand),
@@ -59,6 +60,7 @@ enum Command {
 fn run(cli: &Cli) -> Result<(), Failure> {
     match &cli.command {
         Command::Doctor(args) => commands::doctor::run(args, cli.json),
+        Command::Displays(args) => commands::displays::run(args, cli.json),
         Command::Scene(command) => commands::scene::run(command, cli.json),
         Command::Info(args) => commands::info::run(args, cli.json),
         Command::Compare(args) => commands::compare::run(args, cli.json),

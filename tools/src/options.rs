@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::library;
 use clap::{Args, ValueEnum};
 use glam::{DVec2, DVec3};
-use macula::fovea::{DisplayGeometry, Kernel};
+use macula::fovea::{DisplayGeometry, DisplayPreset, Kernel};
 
 /// `WxH`.
 pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
@@ -45,21 +45,70 @@ pub fn parse_within(text: &str, low: f64, high: f64) -> Result<f64, String> {
     number.ok_or_else(|| format!("expected a number from {low} to {high}"))
 }
 
+/// A display's preset.
+fn parse_display(text: &str) -> Result<&'static DisplayPreset, String> {
+    DisplayPreset::by_name(text).ok_or_else(|| {
+        let names = DisplayPreset::all().iter().map(|preset| preset.name).collect::<Vec<_>>();
+        format!("known are {}; `macula displays` shows them", names.join(", "))
+    })
+}
+
+/// One of the two eyes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EyeName {
+    Left,
+    Right,
+}
+
+/// Without a preset.
+const DEFAULT_SIZE_PX: [u32; 2] = [1920, 1080];
+const DEFAULT_HFOV_DEG: f64 = 100.0;
+
 /// The display that one renders for.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Default)]
 pub struct DisplayArgs {
-    /// Display size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = parse_size)]
-    pub size: [u32; 2],
-    /// Horizontal field of view of the display in degrees, above 0 and below 179
-    #[arg(long, value_name = "D", default_value = "100", value_parser = parse_hfov)]
-    pub hfov_deg: f64,
+    /// Display size in pixels [default: 1920x1080, or the size of --display]
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<[u32; 2]>,
+    /// Horizontal field of view of the display in degrees, above 0 and below 179 [default: 100]
+    #[arg(long, value_name = "D", value_parser = parse_hfov, conflicts_with = "preset")]
+    pub hfov_deg: Option<f64>,
+    /// A headset or a monitor by name, as in `macula displays`: its size and its field of view
+    #[arg(long = "display", id = "preset", value_name = "PRESET", value_parser = parse_display)]
+    pub preset: Option<&'static DisplayPreset>,
+    /// Which eye's field of view of --display [default: left]
+    #[arg(long, value_enum, value_name = "EYE", requires = "preset")]
+    pub display_eye: Option<EyeName>,
 }
 
 impl DisplayArgs {
     /// The display's geometry.
     pub fn geometry(&self) -> DisplayGeometry {
-        DisplayGeometry::symmetric(self.size, self.hfov_deg)
+        let Some(preset) = self.preset else {
+            let hfov_deg = self.hfov_deg.unwrap_or(DEFAULT_HFOV_DEG);
+            return DisplayGeometry::symmetric(self.size.unwrap_or(DEFAULT_SIZE_PX), hfov_deg);
+        };
+        let preset = preset.scaled(self.size.unwrap_or(preset.render_px));
+        match self.display_eye {
+            Some(EyeName::Right) => preset.right(),
+            Some(EyeName::Left) | None => preset.left(),
+        }
+    }
+
+    /// Width and height, px.
+    pub fn size_px(&self) -> [u32; 2] {
+        self.geometry().size_px
+    }
+
+    /// The horizontal field of view, degrees.
+    pub fn hfov_deg(&self) -> f64 {
+        match self.preset {
+            None => self.hfov_deg.unwrap_or(DEFAULT_HFOV_DEG),
+            Some(_) => {
+                let display = self.geometry();
+                (display.tan_right.atan() - display.tan_left.atan()).to_degrees()
+            }
+        }
     }
 }
 
@@ -204,6 +253,20 @@ mod tests {
         for bad in ["0", "-10", "179", "400", "nan", "wide"] {
             assert!(parse_hfov(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn a_size_changes_the_pixels_of_a_preset_and_not_its_frustum() {
+        assert_eq!(DisplayArgs::default().geometry(), DisplayGeometry::symmetric([1920, 1080], 100.0));
+        let crystal = parse_display("pimax-crystal").expect("a preset");
+        let full = DisplayArgs { preset: Some(crystal), ..DisplayArgs::default() };
+        assert_eq!(full.geometry(), crystal.left());
+        let right = DisplayArgs { display_eye: Some(EyeName::Right), size: Some([64, 80]), ..full.clone() };
+        assert_eq!(right.geometry(), DisplayGeometry { size_px: [64, 80], ..crystal.right() });
+        assert_eq!(right.size_px(), [64, 80]);
+        // 51.65 + 41.65 degrees by the database that the frustum is from.
+        assert!((full.hfov_deg() - 93.31).abs() < 0.01 && (right.hfov_deg() - 93.31).abs() < 0.01);
+        assert!(parse_display("vive").is_err_and(|message| message.contains("vive-pro-eye")));
     }
 
     fn kernel_args(kernel: Option<KernelName>, alpha: Option<f64>, beta: Option<Vec<f64>>) -> KernelArgs {

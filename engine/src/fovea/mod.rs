@@ -10,6 +10,7 @@ mod kfr;
 mod mapping;
 mod params;
 mod radial;
+mod presets;
 #[cfg(test)]
 mod tests;
 mod vafr;
@@ -23,3 +24,4 @@ pub use mapping::{ColumnLayout, LpPoint, Mapping, Rates, TexelJacobian};
 pub use params::{FoveaParams, GazeKeeper, MAX_GAZE_PX};
 pub use radial::{ColumnRow, FORWARD_KNOTS, ForwardKnot, RadialMapping, fill_columns, fill_forward};
 pub use vafr::{NATIVE_BAND, VafrForm, VafrMapping};
+pub use presets::DisplayPreset;

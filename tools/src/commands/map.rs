@@ -84,7 +84,7 @@ pub fn run(args: &MapArgs, json: bool) -> Result<(), Failure> {
     let MapMethod::Kfr = args.method;
     let kernel = args.kernel.kernel()?;
     args.display.geometry().check()?;
-    let centre = DVec2::from_array(args.display.size.map(f64::from)) / 2.0;
+    let centre = DVec2::from_array(args.display.size_px().map(f64::from)) / 2.0;
     let device = if args.gpu { Some(library::device(true)?) } else { None };
     let mapper = Mapper { args, kernel, gaze_px: args.gaze_px.unwrap_or(centre), device };
     let mut all = Vec::new();
@@ -101,8 +101,8 @@ pub fn run(args: &MapArgs, json: bool) -> Result<(), Failure> {
     }
     output::print_json(&serde_json::json!({
         "method": "kfr",
-        "size": args.display.size,
-        "hfov_deg": args.display.hfov_deg,
+        "size": args.display.size_px(),
+        "hfov_deg": args.display.hfov_deg(),
         "gaze_px": mapper.gaze_px.to_array(),
         "points": all,
     }))

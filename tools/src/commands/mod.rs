@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod compare;
 pub mod demo;
+pub mod displays;
 pub mod doctor;
 pub mod gaze;
 pub mod info;

@@ -147,7 +147,7 @@ pub fn run(args: &RenderArgs, json: bool) -> Result<(), Failure> {
     };
     let input = FrameInput {
         world_from_view: args.camera.world_from_view(&subject, &settings.display)?,
-        gaze_px: gaze_px(args.gaze, args.display.size),
+        gaze_px: gaze_px(args.gaze, args.display.size_px()),
     };
     steps.next("preparing");
     let device = library::device(args.no_validation)?;
@@ -282,7 +282,7 @@ fn write_pictures(
     settings: &RenderSettings,
     renderer: &mut OffscreenRenderer,
 ) -> Result<(), Failure> {
-    let size = args.display.size;
+    let size = args.display.size_px();
     if is_exr(&args.output)? {
         library::write_exr(&args.output, size, &renderer.read_hdr()?)?;
     } else {
@@ -319,7 +319,7 @@ fn report<'a>(
     Report {
         device: device.name(),
         driver: device.driver(),
-        size: args.display.size,
+        size: args.display.size_px(),
         method: args.shading.name(),
         passes: pass_medians(frames),
         gpu_ms: median(&gpu_times(frames)).unwrap_or(last.gpu_ms),

@@ -35,7 +35,7 @@ impl Piece {
     }
 
     /// The same polynomial from a later start.
-    fn from_step(&self, step_deg: f64) -> Self {
+    fn shifted(&self, step_deg: f64) -> Self {
         let [_, c1, c2, c3] = self.mar;
         let mar = [
             self.mar_at(step_deg),
@@ -55,7 +55,7 @@ impl Piece {
     fn is_smooth(&self, from_deg: f64, to_deg: f64) -> bool {
         /// A sine of twice the angle must not grow much on the ellipse.
         const WIDEST_DEG: f64 = 30.0;
-        let middle = self.from_step(0.5 * (from_deg + to_deg)).mar;
+        let middle = self.shifted(0.5 * (from_deg + to_deg)).mar;
         let radius = to_deg - from_deg;
         let change = radius * (middle[1].abs() + radius * (middle[2].abs() + radius * middle[3].abs()));
         radius <= WIDEST_DEG && change <= 0.9 * middle[0]
@@ -151,7 +151,7 @@ impl Curve {
             if piece.is_linear() || piece.is_smooth(0.0, piece.length_deg()) {
                 cut.push(piece);
             } else {
-                pieces.push(piece.from_step(middle));
+                pieces.push(piece.shifted(middle));
                 pieces.push(Piece { end_deg: piece.start_deg + middle, ..piece });
             }
         }
@@ -172,7 +172,7 @@ impl Curve {
         if kept == 0 && first.mar[0] >= least_mar_deg {
             return self.0;
         }
-        let mut rest = first.from_step(crossing(&first, least_mar_deg));
+        let mut rest = first.shifted(crossing(&first, least_mar_deg));
         rest.mar[0] = rest.mar[0].max(least_mar_deg);
         let mut pieces = vec![flat_to(rest.start_deg), rest];
         pieces.extend_from_slice(&self.0[kept + 1..]);

@@ -13,9 +13,9 @@ use curve::Curve;
 /// Eccentricities end opposite to the gaze.
 const MOST_DEG: f64 = 180.0;
 
-/// Pivots lie at least this far apart, degrees: far below any pixel, and far enough for slopes to stay
-/// finite.
-const LEAST_STEP_DEG: f64 = 1e-6;
+/// Pivots lie at least this far apart, degrees: a hundredth of the finest pixel that people see, and far
+/// enough that the steepest step still has many doubles on its way.
+const LEAST_STEP_DEG: f64 = 1e-4;
 
 /// No table has more pivots; a column's lookup stays short.
 const MOST_PIVOTS: usize = 256;
@@ -64,7 +64,7 @@ impl AcuityModel {
     ///
     /// # Errors
     /// [`Error::Setting`] without pivots or for more than 256, for a first one that is not at 0
-    /// degrees, for degrees that do not rise by at least 1e-6 or exceed 180, for an acuity outside
+    /// degrees, for degrees that do not rise by at least 1e-4 or exceed 180, for an acuity outside
     /// 1e-3 to 1e4 cpd, and for one that rises with eccentricity, where MAR would fall.
     pub fn new(pivots_deg_cpd: &[(f64, f64)]) -> Result<Self> {
         check_pivots(pivots_deg_cpd)?;
@@ -115,8 +115,8 @@ impl AcuityModel {
     /// ratio), linear between, constant outside. None at all is a ratio of 1.
     ///
     /// # Errors
-    /// [`Error::Setting`] for more than 256 entries, for degrees that do not rise or lie outside 0 to
-    /// 180, and for ratios outside 0.05 to 20.
+    /// [`Error::Setting`] for more than 256 entries, for degrees that do not rise by at least 1e-4 or lie
+    /// outside 0 to 180, and for ratios outside 0.05 to 20.
     pub fn with_delta(self, deg_ratio: &[(f64, f64)]) -> Result<Self> {
         check_degrees("delta", deg_ratio)?;
         for &(deg, ratio) in deg_ratio {
@@ -234,9 +234,9 @@ fn sphere_height(ecc_deg: f64, mar_deg: f64) -> f64 {
     720.0 * ecc_deg.to_radians().sin() / mar_deg
 }
 
-/// Into 0..=180; `max` and `min` take NaN as 0, unlike `clamp`.
+/// Into 0..=180, NaN as 0.
 fn clamp_deg(ecc_deg: f64) -> f64 {
-    ecc_deg.max(0.0).min(MOST_DEG)
+    if ecc_deg.is_nan() { 0.0 } else { ecc_deg.clamp(0.0, MOST_DEG) }
 }
 
 fn setting(cause: String) -> Error {

@@ -1,0 +1,146 @@
+//! The presets' figures.
+//!
+//! Frusta and rendered sizes of headsets are what their runtimes report to applications, as recorded by
+//! owners in the HMD Geometry Database (risa2000/hmdgdb). Distances between the eyes that adapt to the
+//! wearer are the adult mean (Dodgson 2004).
+
+use super::DisplayPreset;
+
+pub(super) const PRESETS: [DisplayPreset; 12] = [
+    DisplayPreset {
+        name: "fove-0",
+        about: "FOVE 0; the vendor gives a field of 90 to 100 degrees, 95 being typical, and no frustum",
+        panel_px: [1280, 1440],
+        render_px: [1792, 2016],
+        left_eye_tangents: [-1.0, 1.0, 1.125, -1.125],
+        published_ppd: None,
+        refresh_hz: 70.0,
+        ipd_mm: 63.0,
+        tracker_latency_ms: 21.05,
+        latency_preset: "fove-0",
+        source: "fove-inc.com, FOVE 0 specs (rendering at 3584x2016 for both eyes)",
+        guesses: &["left_eye_tangents"],
+    },
+    DisplayPreset {
+        name: "vive-pro-eye",
+        about: "HTC Vive Pro Eye; optics of the Vive Pro, whose record this is",
+        panel_px: [1440, 1600],
+        render_px: [2468, 2740],
+        left_eye_tangents: [-1.354_895, 1.209_037, 1.427_617, -1.423_536],
+        published_ppd: Some(18.0),
+        refresh_hz: 90.0,
+        ipd_mm: 63.0,
+        tracker_latency_ms: 47.85,
+        latency_preset: "vive-pro-eye",
+        source: "VaFR 2025 (pixels, 9 cpd); hmdgdb VivePro_Native_R90 (frustum, the same rendered size)",
+        guesses: &["ipd_mm", "tracker_latency_ms"],
+    },
+    DisplayPreset {
+        name: "varjo-aero",
+        about: "Varjo Aero; its field is wide outwards and low upwards",
+        panel_px: [2880, 2720],
+        render_px: [4148, 3556],
+        left_eye_tangents: [-1.575_568, 0.710_474, 0.804_051, -1.115_883],
+        published_ppd: Some(35.0),
+        refresh_hz: 90.0,
+        ipd_mm: 63.0,
+        tracker_latency_ms: 24.85,
+        latency_preset: "varjo-aero",
+        source: "hmdgdb VarjoAero_Native_R90",
+        guesses: &["panel_px", "published_ppd", "ipd_mm", "tracker_latency_ms"],
+    },
+    DisplayPreset {
+        name: "varjo-xr-4",
+        about: "Varjo XR-4; rendered size from the published density, the runtime recommends 6348x6288",
+        panel_px: [3840, 3744],
+        render_px: [7466, 7386],
+        left_eye_tangents: [-1.548_176, 1.006_582, 1.258_663, -1.268_762],
+        published_ppd: Some(51.0),
+        refresh_hz: 90.0,
+        ipd_mm: 63.0,
+        tracker_latency_ms: 24.85,
+        latency_preset: "varjo-aero",
+        source: "support.varjo.com, resolution (pixels, density); hmdgdb VarjoXR-4_Native_R90 (frustum)",
+        guesses: &["render_px", "ipd_mm", "tracker_latency_ms"],
+    },
+    DisplayPreset {
+        name: "pimax-crystal",
+        about: "Pimax Crystal; 90 Hz of its 72, 90 and 120 Hz",
+        panel_px: [2880, 2880],
+        render_px: [4312, 5100],
+        left_eye_tangents: [-1.264_092, 0.889_501, 1.274_264, -1.274_264],
+        published_ppd: Some(35.0),
+        refresh_hz: 90.0,
+        ipd_mm: 63.0,
+        tracker_latency_ms: 27.85,
+        latency_preset: "pimax-crystal",
+        source: "Pimax (pixels, density; VaFR 2025: 18 cpd); hmdgdb PimaxCrystal_Native_R120",
+        guesses: &["refresh_hz", "ipd_mm", "tracker_latency_ms"],
+    },
+    DisplayPreset {
+        name: "quest-pro",
+        about: "Meta Quest Pro; rendered size from the published density, a PC renders 2160x2224 by default",
+        panel_px: [1800, 1920],
+        render_px: [2792, 2870],
+        left_eye_tangents: [-1.376_382, 0.839_100, 0.900_404, -1.376_382],
+        published_ppd: Some(22.0),
+        refresh_hz: 90.0,
+        ipd_mm: 63.0,
+        tracker_latency_ms: 29.85,
+        latency_preset: "quest-pro",
+        source: "hmdgdb MetaQuestPro_Native_R72 (frustum)",
+        guesses: &["panel_px", "render_px", "published_ppd", "refresh_hz", "ipd_mm", "tracker_latency_ms"],
+    },
+    DisplayPreset {
+        name: "psvr2",
+        about: "PlayStation VR2 on a PC; no density is published",
+        panel_px: [2000, 2040],
+        render_px: [3400, 3468],
+        left_eye_tangents: [-1.841_771, 0.947_191, 1.328_981, -1.328_981],
+        published_ppd: None,
+        refresh_hz: 90.0,
+        ipd_mm: 63.0,
+        tracker_latency_ms: 24.4125,
+        latency_preset: "psvr2",
+        source: "Sony (pixels, 90 or 120 Hz); hmdgdb PSVR2_Native_R90",
+        guesses: &["ipd_mm", "tracker_latency_ms"],
+    },
+    monitor("desktop-24-1080p", "24 inch, 16:9, from 60 cm", [1920, 1080], 0.442_760_372_859_271_06),
+    monitor("desktop-27-1440p", "27 inch, 16:9, from 65 cm", [2560, 1440], 0.459_789_617_969_243),
+    monitor("desktop-27-4k", "27 inch, 16:9, from 65 cm", [3840, 2160], 0.459_789_617_969_243),
+    monitor("desktop-32-4k", "32 inch, 16:9, from 70 cm", [3840, 2160], 0.506_011_854_695_309_7),
+    DisplayPreset {
+        name: "retinal",
+        about: "the retinal display of VaFR 2025, 120 degrees across; no such display exists",
+        refresh_hz: 90.0,
+        tracker_latency_ms: 24.85,
+        latency_preset: "generic-90hz",
+        source: "VaFR 2025",
+        // tan 60 degrees.
+        ..monitor("", "", [11520, 6480], 1.732_050_807_568_877_2)
+    },
+];
+
+/// A flat 16:9 display straight ahead of both eyes; `tan_right` is half its width over its distance.
+const fn monitor(
+    name: &'static str,
+    about: &'static str,
+    size_px: [u32; 2],
+    tan_right: f64,
+) -> DisplayPreset {
+    let tan_up = tan_right * 9.0 / 16.0;
+    DisplayPreset {
+        name,
+        about,
+        panel_px: size_px,
+        render_px: size_px,
+        left_eye_tangents: [-tan_right, tan_right, tan_up, -tan_up],
+        published_ppd: None,
+        refresh_hz: 60.0,
+        ipd_mm: 63.0,
+        tracker_latency_ms: 26.85,
+        latency_preset: "tobii-eye-tracker-5-desktop",
+        source: "size and distance",
+        guesses: &["refresh_hz", "ipd_mm", "tracker_latency_ms"],
+    }
+}
