@@ -148,7 +148,9 @@ impl EffectPlan {
     fn footprints(&mut self, d: &mut Decisions, features: &SceneFeatures, settings: &RenderSettings) {
         const NAMES: [&str; 2] = ["footprints of maps", "footprints of surfaces"];
         if !settings.footprint {
-            NAMES.map(|name| d.setting(name, false, "", "switched off"));
+            for name in NAMES {
+                d.setting(name, false, "", "switched off");
+            }
             return;
         }
         self.footprint_maps = d.decide(

@@ -331,6 +331,10 @@ impl Renderer {
         &self.settings
     }
 
+    pub(crate) fn maps_by_footprint(&self) -> bool {
+        self.effects.footprint_maps
+    }
+
     pub(crate) fn targets(&self) -> &Targets {
         &self.targets
     }

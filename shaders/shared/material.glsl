@@ -44,9 +44,11 @@ vec4 base_color_at() {
     if (HAS_BASE_COLOR_MAP && material.base_color_use.row_v.w > 0.5) {
         vec2 uv = map_uv(material.base_color_use);
         vec4 map = map_at(base_color_map, uv);
-        if (HAS_FOOTPRINT && HAS_ALPHA_MASK) {
-            // The mask decides on what is there at all, and that stays as in full shading.
-            map.a = texture(base_color_map, uv).a;
+        if (HAS_FOOTPRINT) {
+            if (HAS_ALPHA_MASK) {
+                // The mask decides on what is there at all, and that stays as in full shading.
+                map.a = texture(base_color_map, uv).a;
+            }
         }
         color *= map;
     }

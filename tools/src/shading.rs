@@ -3,8 +3,8 @@
 use crate::failure::Failure;
 use crate::options::KernelArgs;
 use clap::{Args, ValueEnum};
-use macula::fovea::VafrForm;
-use macula::settings::{KfrSettings, Method, VafrSettings};
+use macula::fovea::{DisplayGeometry, VafrForm};
+use macula::settings::{KfrSettings, Method, RenderSettings, VafrSettings};
 
 /// The methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -36,6 +36,13 @@ pub struct ShadingArgs {
     /// Gaussian on the display that grows with the distance from the gaze
     #[arg(long, help_heading = "Foveation")]
     post_filter: bool,
+    /// Shade over each sample's footprint: maps by its size, roughness by its normals' variance
+    /// [default: with vafr only; the others are as published]
+    #[arg(long, help_heading = "Foveation", overrides_with = "no_footprint")]
+    footprint: bool,
+    /// Shade every sample as if it were a pixel
+    #[arg(long, help_heading = "Foveation")]
+    no_footprint: bool,
 }
 
 impl ShadingArgs {
@@ -49,11 +56,26 @@ impl ShadingArgs {
         }
     }
 
+    /// Settings for a display; all that is not of the method as it is by default.
+    ///
+    /// # Errors
+    /// As [`Self::method`].
+    pub fn settings(&self, display: DisplayGeometry) -> Result<RenderSettings, Failure> {
+        let given = [(self.footprint, "--footprint"), (self.no_footprint, "--no-footprint")];
+        let given = given.into_iter().find_map(|(is_given, name)| is_given.then_some(name));
+        if let (MethodName::Full, Some(name)) = (self.method, given) {
+            return Err(without_meaning(name));
+        }
+        let mut settings = RenderSettings::new(display, self.method()?);
+        settings.footprint = (settings.footprint || self.footprint) && !self.no_footprint;
+        Ok(settings)
+    }
+
     /// The method, its parameters checked as far as they do not need a display.
     ///
     /// # Errors
     /// [`Failure::Usage`] for a parameter that belongs to another method or is out of range.
-    pub fn method(&self) -> Result<Method, Failure> {
+    fn method(&self) -> Result<Method, Failure> {
         if self.method == MethodName::Vafr {
             return Ok(Method::Vafr(VafrSettings::default()));
         }

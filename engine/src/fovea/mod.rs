@@ -9,8 +9,8 @@ mod kernel;
 mod kfr;
 mod mapping;
 mod params;
-mod radial;
 mod presets;
+mod radial;
 #[cfg(test)]
 mod tests;
 mod vafr;
@@ -22,6 +22,6 @@ pub use kernel::{Kernel, MAX_COEFFICIENTS};
 pub use kfr::{KfrMapping, LpCoord, LpJacobian};
 pub use mapping::{ColumnLayout, LpPoint, Mapping, Rates, TexelJacobian};
 pub use params::{FoveaParams, GazeKeeper, MAX_GAZE_PX};
+pub use presets::DisplayPreset;
 pub use radial::{ColumnRow, FORWARD_KNOTS, ForwardKnot, RadialMapping, fill_columns, fill_forward};
 pub use vafr::{NATIVE_BAND, VafrForm, VafrMapping};
-pub use presets::DisplayPreset;

@@ -126,7 +126,7 @@ impl Targets {
                 "footprint",
                 when(sizes.footprint, display.map(|side| side.div_ceil(TILE_PX))),
                 vk::Format::R32_SFLOAT,
-                Usage::STORAGE | Usage::SAMPLED,
+                Usage::STORAGE | Usage::SAMPLED | Usage::TRANSFER_SRC,
                 1,
                 false,
             )?,

@@ -174,7 +174,7 @@ pub fn run(args: &RenderArgs, json: bool) -> Result<(), Failure> {
 impl RenderArgs {
     fn settings(&self) -> Result<RenderSettings, Failure> {
         self.check_combinations()?;
-        let mut settings = RenderSettings::new(self.display.geometry(), self.shading.method()?);
+        let mut settings = self.shading.settings(self.display.geometry())?;
         settings.tone_map = match self.tone_map {
             Some(ToneMapName::None) => ToneMap::None,
             Some(ToneMapName::Aces) | None => ToneMap::Aces,

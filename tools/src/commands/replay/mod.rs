@@ -213,7 +213,7 @@ impl ReplayArgs {
         if !(self.from >= 0.0 && self.from.is_finite()) {
             return Err(Failure::usage(format!("--from is {}; give seconds, 0 or more", self.from)));
         }
-        let mut settings = RenderSettings::new(self.display.geometry(), self.shading.method()?);
+        let mut settings = self.shading.settings(self.display.geometry())?;
         settings.check_finite = true;
         settings.check()?;
         Ok(settings)
