@@ -221,6 +221,22 @@ impl OffscreenRenderer {
         let [width, height] = image.size;
         Ok(Some((width, height, read_half(&self.context, "the filtered LP-buffer", image)?)))
     }
+
+    /// Of the last frame, by how many mip levels the samples are coarser than pixels: one number for each
+    /// tile of 8x8 px, the last ones of a row or column smaller (width, height, levels). `None` where maps
+    /// are not sampled by footprints.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
+    pub fn read_footprint(&mut self) -> Result<Option<(u32, u32, Vec<f32>)>> {
+        if !self.renderer.maps_by_footprint() {
+            return Ok(None);
+        }
+        let image = &self.renderer.targets().footprint;
+        let bytes = submit::read_image(&self.context, "the footprints", image, 4)?;
+        let [width, height] = image.size;
+        Ok(Some((width, height, bytemuck::pod_collect_to_vec(&bytes))))
+    }
 }
 
 /// A picture to draw into and to read back, in GENERAL layout.

@@ -26,6 +26,8 @@ pub struct EffectPlan {
     pub lp_filter: LpFilter,
     /// The post filter runs.
     pub post_filter: bool,
+    /// Maps are sampled by the samples' footprints.
+    pub footprint_maps: bool,
     /// Values of the shading kernel's specialization constants.
     pub shading_spec: Vec<(&'static str, u32)>,
     /// Values of the material's specialization constants, without those of single maps.
@@ -134,9 +136,36 @@ impl EffectPlan {
             "no material is alpha-masked",
         );
         plan.forward = d.decide("transparency", f.blend, yes("blended materials"), "no material is blended");
+        if settings.foveated() {
+            plan.footprints(&mut d, features, settings);
+        }
         plan.after_shading(&mut d, settings);
         plan.effects = d.effects;
         plan
+    }
+
+    /// Shading over footprints larger than a pixel.
+    fn footprints(&mut self, d: &mut Decisions, features: &SceneFeatures, settings: &RenderSettings) {
+        const NAMES: [&str; 2] = ["footprints of maps", "footprints of surfaces"];
+        if !settings.footprint {
+            for name in NAMES {
+                d.setting(name, false, "", "switched off");
+            }
+            return;
+        }
+        self.footprint_maps = d.decide(
+            NAMES[0],
+            features.opaque_maps,
+            "peripheral samples cover several pixels of the scene's maps each".into(),
+            "no opaque material has a map",
+        );
+        let on = d.decide(
+            NAMES[1],
+            features.opaque_lit || features.opaque_maps,
+            "peripheral samples cover several pixels of lit or mapped surfaces each".into(),
+            "every opaque surface has one colour, whatever its normals",
+        );
+        self.shading_spec.push(("HAS_TAPS", u32::from(on)));
     }
 
     /// Decides for the ray-marched scene.

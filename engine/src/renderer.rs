@@ -368,6 +368,10 @@ impl Renderer {
         }
     }
 
+    pub(crate) fn maps_by_footprint(&self) -> bool {
+        self.effects.footprint_maps
+    }
+
     pub(crate) fn targets(&self) -> &Targets {
         &self.targets
     }

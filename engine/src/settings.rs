@@ -76,6 +76,15 @@ pub enum LpFilter {
     Fxaa,
 }
 
+impl Method {
+    /// Whether [`RenderSettings::footprint`] is on by default: not for methods that are rendered as they
+    /// were published.
+    #[must_use]
+    pub fn footprint_by_default(&self) -> bool {
+        matches!(self, Self::Vafr(VafrSettings { form: VafrForm::Sphere, .. }))
+    }
+}
+
 /// Kernel foveated rendering (thesis of 2018, section 2).
 #[derive(Clone, Debug, PartialEq)]
 pub struct KfrSettings {
@@ -166,6 +175,10 @@ pub struct RenderSettings {
     pub shadow_map_size: u32,
     /// Samples per pixel or LP texel of a ray-marched scene, 1 to 16.
     pub samples_per_pixel: u32,
+    /// Shade over a sample's whole footprint where that is larger than a pixel: maps by its size,
+    /// surfaces from several pixels, roughness widened by the variance of its normals. Of no meaning for
+    /// full shading, whose samples are pixels, and for the ray-marched scene, which does it always.
+    pub footprint: bool,
     /// Run every effect, also those that the scene does not call for.
     pub force_effects: bool,
     /// Count NaN and infinite values in every buffer (in a pass that the frame's time leaves out).
@@ -178,6 +191,7 @@ impl RenderSettings {
     pub fn new(display: DisplayGeometry, method: Method) -> Self {
         Self {
             display,
+            footprint: method.footprint_by_default(),
             method,
             tone_map: ToneMap::default(),
             view: View::default(),

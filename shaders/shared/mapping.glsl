@@ -268,5 +268,37 @@ float mapping_forward(vec2 px, out LpLookup lookup) {
     return min(past_disc, (over_acuity - 1.0) * fovea.table.w);
 }
 
+// Display area of the LP texel at a lookup's place, px^2: 1 over the mapping's Jacobian determinant.
+float texel_area_px2(vec2 px, LpLookup lookup) {
+    uint u = uint(clamp(lookup.u, lookup.columns.x, lookup.columns.y));
+    vec4 column = lp_tables[2u * u];
+    float height = column_height(u);
+    if (MAPPING_KIND == MAPPING_KERNEL) {
+        return (column.z - column.x) * column.y * (6.2831853 / height);
+    }
+    if (MAPPING_KIND == MAPPING_AXES) {
+        vec4 row = lp_tables[first_row(u) + uint(clamp(lookup.v_share * height, 0.0, height - 1.0))];
+        return (column.z - column.x) * (row.z - row.x);
+    }
+    float outward = distance(lp_tables[2u * u + 1u].xy, column.xy);
+    float along = 6.2831853 * column.z / height;
+    // The plane's area grows over the solid angle by the cube of the ray's length.
+    vec3 ray = frame_ray(px);
+    float ray_length2 = dot(ray, ray);
+    return outward * along * ray_length2 * sqrt(ray_length2) * (fovea.table.z * fovea.table.z);
+}
+
+// Mip levels by which a sample at a display position is coarser than a pixel: log2 of the side of a square
+// of the texel's area. 0 where pixels are shaded themselves; rises to the texel's over the blend band.
+float footprint_levels(vec2 px) {
+    LpLookup lookup;
+    float past_native = mapping_forward(px, lookup);
+    if (past_native <= 0.0) {
+        return 0.0;
+    }
+    float levels = 0.5 * log2(max(texel_area_px2(px, lookup), 1.0));
+    return levels * min(past_native, 1.0);
+}
+
 #endif
 #endif

@@ -16,7 +16,7 @@ fn stereo(place: &Place, name: &str, more: &[&str]) -> (String, serde_json::Valu
 fn both_eyes_stand_beside_each_other() {
     let place = Place::new();
     let (dup, report) = stereo(&place, "dup.png", &["--stereo", "dup"]);
-    let picture = macula::io::image_file::read_png_rgba8(dup.as_ref()).unwrap();
+    let picture = macula::io::image_file::read_png_rgba8(std::path::Path::new(&dup)).unwrap();
     assert_eq!(picture.0, [192, 80]);
     assert_eq!(report["against_dup"], serde_json::Value::Null);
     assert_eq!((&report["non_finite"], &report["holes"]), (&0.into(), &0.into()));

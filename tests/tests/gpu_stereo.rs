@@ -4,7 +4,7 @@ use glam::{DMat4, DVec2, DVec3, Vec2};
 use macula::fovea::DisplayGeometry;
 use macula::headless::{GpuContent, OffscreenStereo};
 use macula::scene::{AlphaMode, Material, Scene};
-use macula::settings::{KfrSettings, Method, RenderSettings, VafrSettings};
+use macula::settings::{KfrSettings, LpFilter, Method, RenderSettings, VafrSettings};
 use macula::stats::FrameStats;
 use macula::stereo::{StereoGaze, StereoInput, StereoMode, StereoSettings};
 use macula_tests::scenes::{add, at, coloured_quad, light, one, quad, sun, unlit, white};
@@ -190,7 +190,7 @@ fn what_the_left_eye_does_not_see_is_shaded() {
     let gpu = gpu();
     let content = upload(&gpu, &board_before_wall(), None);
     for method in [
-        Method::Kfr(KfrSettings { sigma: 1.8, lp_filter: false, ..KfrSettings::default() }),
+        Method::Kfr(KfrSettings { sigma: 1.8, lp_filter: LpFilter::None, ..KfrSettings::default() }),
         Method::Vafr(VafrSettings::default()),
     ] {
         for point in [DVec3::new(0.0, 0.0, -0.6), DVec3::new(0.0, 0.0, -4.0), DVec3::new(1.5, 1.0, -4.0)] {
@@ -220,7 +220,7 @@ fn glass_before_a_wall_is_not_taken_along() {
     add(&mut scene, quad(0.1, 0.1), at(-0.2, 0.1, -0.5), glass);
     let content = upload(&gpu, &scene, None);
     let input = looking_at(DVec3::new(0.0, 0.0, -4.0));
-    let method = Method::Kfr(KfrSettings { lp_filter: false, ..KfrSettings::default() });
+    let method = Method::Kfr(KfrSettings { lp_filter: LpFilter::None, ..KfrSettings::default() });
     let expected = both(&gpu, &content, &stereo(method.clone(), StereoMode::Dup), &input);
     let found = both(&gpu, &content, &stereo(method, StereoMode::Rep), &input);
     assert!(found[0].passes().contains(&"keep") && !expected[0].passes().contains(&"keep"));

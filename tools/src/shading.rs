@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use macula::fovea::{
     AcuityModel, DisplayGeometry, GuenterParams, LafrParams, RmfrParams, VafrForm, VisualPolarParams,
 };
-use macula::settings::{KfrSettings, LpFilter, Method, VafrSettings};
+use macula::settings::{KfrSettings, LpFilter, Method, RenderSettings, VafrSettings};
 use std::path::{Path, PathBuf};
 
 /// The methods.
@@ -156,6 +156,13 @@ pub struct ShadingArgs {
     /// No more samples of vafr-planar than the display resolves at its centre
     #[arg(long, help_heading = "Foveation")]
     display_limit: bool,
+    /// Shade over each sample's footprint: maps by its size, roughness by its normals' variance
+    /// [default: with vafr only; the others are as published]
+    #[arg(long, help_heading = "Foveation", overrides_with = "no_footprint")]
+    footprint: bool,
+    /// Shade every sample as if it were a pixel
+    #[arg(long, help_heading = "Foveation")]
+    no_footprint: bool,
 }
 
 impl ShadingArgs {
@@ -164,12 +171,27 @@ impl ShadingArgs {
         self.method.name()
     }
 
+    /// Settings for a display; all that is not of the method as it is by default.
+    ///
+    /// # Errors
+    /// As [`Self::method`].
+    pub fn settings(&self, display: DisplayGeometry) -> Result<RenderSettings, Failure> {
+        let given = [(self.footprint, "--footprint"), (self.no_footprint, "--no-footprint")];
+        let given = given.into_iter().find_map(|(is_given, name)| is_given.then_some(name));
+        if let (MethodName::Full, Some(name)) = (self.method, given) {
+            return Err(without_meaning(name));
+        }
+        let mut settings = RenderSettings::new(display, self.method(&display)?);
+        settings.footprint = (settings.footprint || self.footprint) && !self.no_footprint;
+        Ok(settings)
+    }
+
     /// The method, its parameters checked as far as they do not need a display.
     ///
     /// # Errors
     /// [`Failure::Usage`] for a parameter that belongs to another method or is out of range; what reading an
     /// acuity model reports.
-    pub fn method(&self, display: &DisplayGeometry) -> Result<Method, Failure> {
+    fn method(&self, display: &DisplayGeometry) -> Result<Method, Failure> {
         self.check_belonging()?;
         let lp_filter = self.lp_filter.map(LpFilterName::filter);
         if self.method == MethodName::Kfr {

@@ -2,6 +2,7 @@
 //! layer and what it renders; it does not know the renderer.
 
 mod finite_check;
+mod footprint;
 mod forward;
 mod full_shade;
 mod gbuffer;
@@ -19,6 +20,7 @@ mod shadow;
 mod targets;
 
 pub use finite_check::{FINDINGS_PER_IMAGE, FiniteCheck};
+pub use footprint::Footprint;
 pub use forward::Forward;
 pub use full_shade::FullShade;
 pub use gbuffer::GBuffer;

@@ -1,6 +1,7 @@
 //! The images and buffers that passes share.
 
 use super::FINDINGS_PER_IMAGE;
+use super::footprint::TILE_PX;
 use crate::content::{GpuContent, GpuScene};
 use crate::error::{Error, Result};
 use crate::fovea::FoveaParams;
@@ -22,6 +23,7 @@ pub struct Targets {
     keeps: bool,
     pub(crate) lp: Image,
     pub(crate) lp_filtered: Image,
+    pub(crate) footprint: Image,
     pub(crate) shadow_maps: Image,
     pub(crate) samples: Buffer,
     pub(crate) counts: Buffer,
@@ -63,6 +65,8 @@ pub struct TargetSizes {
     pub lp_filter: bool,
     /// The shaded picture is kept for the other eye.
     pub kept: bool,
+    /// Maps are sampled by footprints.
+    pub footprint: bool,
 }
 
 impl Targets {
@@ -125,6 +129,14 @@ impl Targets {
             keeps: sizes.kept,
             lp: image("lp", lp_size, half, color, 1, false)?,
             lp_filtered: image("lp filtered", when(sizes.lp_filter, lp_size), half, color, 1, false)?,
+            footprint: image(
+                "footprint",
+                when(sizes.footprint, display.map(|side| side.div_ceil(TILE_PX))),
+                vk::Format::R32_SFLOAT,
+                Usage::STORAGE | Usage::SAMPLED | Usage::TRANSFER_SRC,
+                1,
+                false,
+            )?,
             shadow_maps: image(
                 "shadow maps",
                 [shadow_side; 2],
@@ -161,6 +173,7 @@ impl Targets {
                 &self.kept,
                 &self.lp,
                 &self.lp_filtered,
+                &self.footprint,
                 &self.shadow_maps,
             ];
             submit::to_general(context, commands, &images);

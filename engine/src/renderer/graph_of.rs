@@ -8,8 +8,9 @@ use crate::gpu::Context;
 use crate::gpu::pipeline::Spec;
 use crate::graph::{Access, Graph, Plan, ResourceId};
 use crate::passes::{
-    FiniteCheck, Forward, FrameArgs, FrameBuffers, FullShade, GBuffer, Inverse, Keep, LeftEye, LpClassify,
-    LpDispatch, LpFilter, LpRoom, LpShade, LpTables, Output, PostFilter, Shadow, TargetSizes, Targets,
+    FiniteCheck, Footprint, Forward, FrameArgs, FrameBuffers, FullShade, GBuffer, Inverse, Keep, LeftEye,
+    LpClassify, LpDispatch, LpFilter, LpRoom, LpShade, LpTables, Output, PostFilter, Shadow, TargetSizes,
+    Targets,
 };
 use crate::plan::EffectPlan;
 use crate::settings::{self, Method, RenderSettings};
@@ -36,6 +37,7 @@ pub(super) fn make_targets(
             post_filter: effects.post_filter,
             lp_filter: effects.lp_filter != settings::LpFilter::None,
             kept,
+            footprint: effects.footprint_maps,
         },
     )
 }
@@ -54,6 +56,7 @@ struct Ids {
     stats: ResourceId,
     lp: ResourceId,
     lp_filtered: ResourceId,
+    footprint: ResourceId,
     hdr: ResourceId,
     post_scratch: ResourceId,
     kept: ResourceId,
@@ -78,6 +81,7 @@ impl Ids {
             stats: graph.resource("sample statistics"),
             lp: graph.resource("lp"),
             lp_filtered: graph.resource("lp filtered"),
+            footprint: graph.resource("footprint"),
             hdr: graph.resource("hdr"),
             post_scratch: graph.resource("post filter scratch"),
             kept: graph.resource("kept picture"),
@@ -129,6 +133,9 @@ pub(super) fn bake(
     let ids = Ids::declare(&mut graph, eyes);
     let mut builder =
         Builder { context, content, settings, effects, targets, buffers, kind, eyes, ids, graph };
+    if settings.foveated() {
+        builder.mapping_tables()?;
+    }
     if let GpuContent::Scene(scene) = content {
         builder.geometry(scene)?;
     }
@@ -144,6 +151,31 @@ pub(super) fn bake(
 }
 
 impl Builder<'_> {
+    /// The mapping taken apart, and how coarse it makes the maps.
+    fn mapping_tables(&mut self) -> Result<()> {
+        let (context, targets, buffers) = (self.context, self.targets, self.buffers);
+        let ids = &self.ids;
+        let graph = &mut self.graph;
+        // The mapping taken apart into columns and rows, once for all texels.
+        if self.kind == MappingKind::Kernel {
+            let accesses = [(ids.fovea, Access::ComputeRead), (ids.tables, Access::ComputeWrite)];
+            graph.pass("lp_tables", &accesses, LpTables::computed(context, targets, buffers)?);
+        } else {
+            let accesses = [(ids.fovea, Access::CopyRead), (ids.tables, Access::CopyWrite)];
+            graph.pass("lp_tables", &accesses, LpTables::copied(context, targets, buffers));
+        }
+        if self.effects.footprint_maps {
+            let accesses = [
+                (ids.fovea, Access::ComputeRead),
+                (ids.tables, Access::ComputeRead),
+                (ids.footprint, Access::ComputeWrite),
+            ];
+            let spec = mapping_spec(self.kind, &self.settings.method);
+            graph.pass("footprint", &accesses, Footprint::new(context, targets, buffers, &spec)?);
+        }
+        Ok(())
+    }
+
     /// Shadow maps and the G-buffer, both of them at full resolution.
     fn geometry(&mut self, scene: &Arc<GpuScene>) -> Result<()> {
         let ids = &self.ids;
@@ -152,14 +184,18 @@ impl Builder<'_> {
             let accesses = [(ids.scene, Access::VertexRead), (ids.shadow_maps, Access::DepthWrite)];
             self.graph.pass("shadow", &accesses, pass);
         }
-        let spec = &self.effects.material_spec;
-        let pass =
-            GBuffer::new(self.context, scene, self.targets, self.buffers, spec, self.settings.force_effects)?;
-        let accesses = [
+        let mut spec = self.effects.material_spec.clone();
+        spec.push(("HAS_FOOTPRINT", u32::from(self.effects.footprint_maps)));
+        let forced = self.settings.force_effects;
+        let pass = GBuffer::new(self.context, scene, self.targets, self.buffers, &spec, forced)?;
+        let mut accesses = vec![
             (ids.scene, Access::VertexRead),
             (ids.gbuffer, Access::ColorWrite),
             (ids.depth, Access::DepthWrite),
         ];
+        if self.effects.footprint_maps {
+            accesses.push((ids.footprint, Access::FragmentRead));
+        }
         self.graph.pass("gbuffer", &accesses, pass);
         Ok(())
     }
@@ -192,14 +228,6 @@ impl Builder<'_> {
         let (context, targets, buffers) = (self.context, self.targets, self.buffers);
         let ids = &self.ids;
         let graph = &mut self.graph;
-        // The mapping taken apart into columns and rows, once for all texels.
-        if self.kind == MappingKind::Kernel {
-            let accesses = [(ids.fovea, Access::ComputeRead), (ids.tables, Access::ComputeWrite)];
-            graph.pass("lp_tables", &accesses, LpTables::computed(context, targets, buffers)?);
-        } else {
-            let accesses = [(ids.fovea, Access::CopyRead), (ids.tables, Access::CopyWrite)];
-            graph.pass("lp_tables", &accesses, LpTables::copied(context, targets, buffers));
-        }
         // Only texels that land on the display, and the native pixels around the gaze.
         let mut accesses = vec![
             (ids.fovea, Access::ComputeRead),

@@ -198,7 +198,7 @@ impl RenderArgs {
         self.check_combinations()?;
         let display = self.display.geometry();
         display.check()?;
-        let mut settings = RenderSettings::new(display, self.shading.method(&display)?);
+        let mut settings = self.shading.settings(display)?;
         settings.tone_map = match self.tone_map {
             Some(ToneMapName::None) => ToneMap::None,
             Some(ToneMapName::Aces) | None => ToneMap::Aces,

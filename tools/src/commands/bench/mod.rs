@@ -1,5 +1,6 @@
 //! `macula bench`: what foveation saves, measured in one run beside full shading.
 
+mod flicker;
 mod loaded;
 mod paper;
 mod report;
@@ -20,6 +21,7 @@ use std::time::Duration;
 pub enum BenchCommand {
     Kfr(Box<KfrBenchArgs>),
     Vafr(Box<vafr::VafrBenchArgs>),
+    Flicker(Box<flicker::FlickerArgs>),
 }
 
 /// Kernel foveated rendering beside full shading, as in the published tables 4.1 and 4.2
@@ -84,6 +86,7 @@ pub fn run(command: &BenchCommand, json: bool) -> Result<(), Failure> {
     let args = match command {
         BenchCommand::Kfr(args) => args,
         BenchCommand::Vafr(args) => return vafr::run(args, json),
+        BenchCommand::Flicker(args) => return flicker::run(args, json),
     };
     let results = run::run(args)?;
     for warning in &results.warnings {
