@@ -22,7 +22,7 @@ const float EDGE_LEAST = 1.0 / 24.0;
 const float MOST_ALONE = 0.25;
 // Texels that an edge is followed each way. A longer edge is nearly straight along the buffer; each step
 // costs two luma values.
-const int SEARCH_TEXELS = 8;
+const int SEARCH_TEXELS = 4;
 
 // FXAA's thresholds are shares of what is seen, but the buffer holds radiance without an upper end: in it
 // every edge beside a lamp would count and none in a shadow. So luma is what a display would about show:
