@@ -14,6 +14,8 @@ layout(set = 0, binding = 3, rgba16f) uniform writeonly image2D lp;
 layout(set = 0, binding = 5, std430) readonly buffer ForwardTable { vec2 forward_table[]; };
 #define MAPPING_FORWARD
 #include "shared/mapping.glsl"
+layout(set = 0, binding = 6, rgba16f) uniform writeonly image2D lp_filtered;
+layout(constant_id = 10) const bool LP_FILTERED = false;
 layout(push_constant) uniform Push { uint mode; }; // 0: LP texels, 1: native pixels
 
 const uint MODE_TEXELS = 0u;
@@ -61,8 +63,12 @@ void main() {
             needed = texel_needed(texel, on_display);
             entry = texel.y * fovea.size.z + texel.x;
             if (!needed) {
-                // Alpha 0 says "not shaded" to the filter and to the inverse pass.
+                // Alpha 0 says "not shaded" to the filter, which goes through the list only, and to the
+                // inverse pass.
                 imageStore(lp, ivec2(texel), vec4(0.0));
+                if (LP_FILTERED) {
+                    imageStore(lp_filtered, ivec2(texel), vec4(0.0));
+                }
             }
         }
     } else {

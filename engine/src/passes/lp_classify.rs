@@ -20,7 +20,8 @@ const MODE_TEXELS: u32 = 0;
 const MODE_NATIVE: u32 = 1;
 
 impl LpClassify {
-    /// Builds it, specialised to the mapping's kind.
+    /// Builds it, specialised to the mapping's kind and to whether a filter over the LP-buffer runs
+    /// (`LP_FILTERED`).
     ///
     /// # Errors
     /// [`crate::Error::Vulkan`].
@@ -41,6 +42,7 @@ impl LpClassify {
                 ("LpTables", Bind::Buffer(&targets.tables)),
                 ("ForwardTable", Bind::Buffer(&targets.forward_table)),
                 ("lp", Bind::Image(&targets.lp)),
+                ("lp_filtered", Bind::Image(&targets.lp_filtered)),
             ],
         )?;
         Ok(Self { pipeline, context: context.clone(), targets: targets.clone() })

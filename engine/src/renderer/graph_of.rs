@@ -181,14 +181,20 @@ impl Builder<'_> {
         }
         let mapping_spec = mapping_spec(self.kind, &self.settings.method);
         // Only texels that land on the display, and the native pixels around the gaze.
-        let accesses = [
+        let filtered = self.effects.lp_filter != settings::LpFilter::None;
+        let mut accesses = vec![
             (ids.fovea, Access::ComputeRead),
             (ids.tables, Access::ComputeRead),
             (ids.samples, Access::ComputeWrite),
             (ids.counts, Access::ComputeReadWrite),
             (ids.lp, Access::ComputeWrite),
         ];
-        graph.pass("lp_classify", &accesses, LpClassify::new(context, targets, buffers, &mapping_spec)?);
+        if filtered {
+            accesses.push((ids.lp_filtered, Access::ComputeWrite));
+        }
+        let mut spec = mapping_spec.to_vec();
+        spec.push(("LP_FILTERED", u32::from(filtered)));
+        graph.pass("lp_classify", &accesses, LpClassify::new(context, targets, buffers, &spec)?);
         // As many workgroups as there are samples.
         let accesses = [
             (ids.counts, Access::ComputeReadWrite),
@@ -209,13 +215,14 @@ impl Builder<'_> {
         spec.extend_from_slice(&mapping_spec);
         let pass = LpShade::new(context, self.content, targets, buffers, &spec)?;
         graph.pass("lp_shade", &accesses, pass);
-        let filtered = self.effects.lp_filter != settings::LpFilter::None;
         if filtered {
             let accesses = [
                 (ids.fovea, Access::ComputeRead),
                 (ids.tables, Access::ComputeRead),
+                (ids.samples, Access::ComputeRead),
+                (ids.indirect, Access::IndirectRead),
                 (ids.lp, Access::ComputeRead),
-                (ids.lp_filtered, Access::ComputeWrite),
+                (ids.lp_filtered, Access::ComputeReadWrite),
             ];
             let filter = self.effects.lp_filter;
             let pass = LpFilter::new(context, targets, buffers, filter, &mapping_spec)?;
