@@ -17,6 +17,9 @@ layout(set = 0, binding = 3, rgba16f) uniform writeonly image2D lp;
 #define LP_TABLES_BINDING 4
 #include "shared/lp_tables.glsl"
 layout(set = 0, binding = 5, std430) readonly buffer ForwardTable { vec2 forward_table[]; };
+// The filter goes through the list only: what it leaves out is stored here.
+layout(set = 0, binding = 16, rgba16f) uniform writeonly image2D lp_filtered;
+layout(constant_id = 10) const bool LP_FILTERED = false;
 #define MAPPING_FORWARD
 #include "shared/mapping.glsl"
 #ifdef LP_REUSE
@@ -47,6 +50,13 @@ bool pixel_needed(ivec2 px) {
     return mapping_forward(vec2(px) + 0.5, unused) < 1.0;
 }
 
+void store_unlisted(uvec2 texel, vec4 value) {
+    imageStore(lp, ivec2(texel), value);
+    if (LP_FILTERED) {
+        imageStore(lp_filtered, ivec2(texel), value);
+    }
+}
+
 #ifdef LP_REUSE
 // Stores a needed sample where the left eye has it.
 bool texel_reused(uvec2 texel, TexelReach reach) {
@@ -55,7 +65,7 @@ bool texel_reused(uvec2 texel, TexelReach reach) {
     vec3 radiance;
     bool found = radiance_of_left_eye(px, reach.reach_px, radiance);
     if (found) {
-        imageStore(lp, ivec2(texel), vec4(radiance, 1.0));
+        store_unlisted(texel, vec4(radiance, 1.0));
     }
     return found;
 }
@@ -93,7 +103,7 @@ void main() {
             entry = texel.y * fovea.size.z + texel.x;
             if (!needed) {
                 // Alpha 0 says "not shaded" to the filter and to the inverse pass.
-                imageStore(lp, ivec2(texel), vec4(0.0));
+                store_unlisted(texel, vec4(0.0));
             }
 #ifdef LP_REUSE
             reused = needed && texel_reused(texel, reach);

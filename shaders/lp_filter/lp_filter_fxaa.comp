@@ -8,8 +8,7 @@
 #extension GL_EXT_samplerless_texture_functions : require
 #include "shared/frame.glsl"
 #include "shared/lp_neighbours.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
-layout(set = 0, binding = 4) uniform Frame { FrameParams frame; };
+layout(set = 0, binding = 6) uniform Frame { FrameParams frame; };
 
 // Least contrast of an edge, as a share of the brightest neighbour's luma. Lottes proposes 1/8 as high
 // quality; less finds fainter edges and costs time.
@@ -22,7 +21,7 @@ const float EDGE_LEAST = 1.0 / 24.0;
 const float MOST_ALONE = 0.25;
 // Texels that an edge is followed each way. A longer edge is nearly straight along the buffer; each step
 // costs two luma values.
-const int SEARCH_TEXELS = 8;
+const int SEARCH_TEXELS = 4;
 
 // FXAA's thresholds are shares of what is seen, but the buffer holds radiance without an upper end: in it
 // every edge beside a lamp would count and none in a shadow. So luma is what a display would about show:
@@ -106,12 +105,8 @@ void main() {
     if (!find_centre(centre)) {
         return;
     }
-    if (centre.color.a == 0.0) {
-        store_nothing(centre);
-        return;
-    }
     Lumas l;
-    l.centre = luma(centre.color.rgb);
+    l.centre = luma(centre.color);
     l.inner = luma_at(centre, ivec2(-1, 0));
     l.outer = luma_at(centre, ivec2(1, 0));
     l.before = luma_at(centre, ivec2(0, -1));
@@ -119,7 +114,7 @@ void main() {
     float most = max(l.centre, max(max(l.inner, l.outer), max(l.before, l.after)));
     float least = min(l.centre, min(min(l.inner, l.outer), min(l.before, l.after)));
     if (most - least < max(EDGE_LEAST, EDGE_SHARE * most)) {
-        store(centre, centre.color.rgb);
+        store(centre, centre.color);
         return;
     }
     l.inner_before = luma_at(centre, ivec2(-1, -1));
@@ -129,5 +124,5 @@ void main() {
     Edge edge = edge_of(l);
     float share = max(step_share(centre, edge, l.centre), stands_out(l, most - least));
     vec3 side = neighbour(centre, edge.normal.x, edge.normal.y);
-    store(centre, centre.color.rgb + share * (side - centre.color.rgb));
+    store(centre, centre.color + share * (side - centre.color));
 }

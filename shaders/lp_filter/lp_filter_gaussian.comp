@@ -3,18 +3,13 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 #include "shared/lp_neighbours.glsl"
-layout(local_size_x = 8, local_size_y = 8) in;
 
 void main() {
     Centre centre;
     if (!find_centre(centre)) {
         return;
     }
-    if (centre.color.a == 0.0) {
-        store_nothing(centre);
-        return;
-    }
-    vec3 own = centre.color.rgb;
+    vec3 own = centre.color;
     vec3 sum = vec3(0.0);
     for (int across = -1; across <= 1; ++across) {
         for (int along = -1; along <= 1; ++along) {

@@ -30,8 +30,8 @@ const MODE_TEXELS: u32 = 0;
 const MODE_NATIVE: u32 = 1;
 
 impl LpClassify {
-    /// Builds it, specialised to the mapping's kind. With a left eye, samples that it has are stored at
-    /// once and not listed.
+    /// Builds it, specialised to the mapping's kind and to whether a filter over the LP-buffer runs
+    /// (`LP_FILTERED`). With a left eye, samples that it has are stored at once and not listed.
     ///
     /// # Errors
     /// [`crate::Error::Vulkan`].
@@ -49,6 +49,7 @@ impl LpClassify {
             ("LpTables", Bind::Buffer(&targets.tables)),
             ("ForwardTable", Bind::Buffer(&targets.forward_table)),
             ("lp", Bind::Image(&targets.lp)),
+            ("lp_filtered", Bind::Image(&targets.lp_filtered)),
         ];
         let shader = match left {
             None => &shaders::LP_CLASSIFY_COMP,

@@ -1,6 +1,6 @@
 //! Anti-aliasing of the LP-buffer.
 
-use super::{FrameArgs, FrameBuffers, Targets, dispatch_8x8};
+use super::{FrameArgs, FrameBuffers, Targets};
 use crate::error::Result;
 use crate::gpu::pipeline::Spec;
 use crate::gpu::{Bind, ComputePipeline, Context, shaders};
@@ -32,6 +32,8 @@ impl LpFilter {
             ("Fovea", Bind::PerSlot(&buffers.fovea)),
             ("LpTables", Bind::Buffer(&targets.tables)),
             ("lp", Bind::Image(&targets.lp)),
+            ("SampleList", Bind::Buffer(&targets.samples)),
+            ("Indirect", Bind::Buffer(&targets.indirect)),
             ("lp_filtered", Bind::Image(&targets.lp_filtered)),
         ];
         let shader = if filter == settings::LpFilter::Fxaa {
@@ -48,8 +50,9 @@ impl LpFilter {
 impl Pass<FrameArgs> for LpFilter {
     fn record(&self, commands: vk::CommandBuffer, frame: &FrameArgs) {
         self.pipeline.bind(commands, frame.slot, &());
-        // The columns to filter depend on the gaze, which may still change: the shader knows them, and
-        // leaves at once beyond.
-        dispatch_8x8(&self.context, commands, self.targets.lp_size);
+        // Only texels that were shaded: as many workgroups as the list has samples.
+        // SAFETY: `commands` is being recorded with the pipeline bound; the buffer holds the three
+        // group counts, written by an earlier pass.
+        unsafe { self.context.device.cmd_dispatch_indirect(commands, self.targets.indirect.buffer, 0) };
     }
 }

@@ -229,6 +229,7 @@ impl Builder<'_> {
         let ids = &self.ids;
         let graph = &mut self.graph;
         // Only texels that land on the display, and the native pixels around the gaze.
+        let filtered = self.effects.lp_filter != settings::LpFilter::None;
         let mut accesses = vec![
             (ids.fovea, Access::ComputeRead),
             (ids.tables, Access::ComputeRead),
@@ -236,6 +237,9 @@ impl Builder<'_> {
             (ids.counts, Access::ComputeReadWrite),
             (ids.lp, Access::ComputeWrite),
         ];
+        if filtered {
+            accesses.push((ids.lp_filtered, Access::ComputeWrite));
+        }
         if let Some(left) = ids.left {
             // What the other eye has shaded already is stored at once and not listed.
             accesses.extend([
@@ -245,8 +249,10 @@ impl Builder<'_> {
                 (ids.hdr, Access::ComputeWrite),
             ]);
         }
+        let mut spec = mapping_spec.to_vec();
+        spec.push(("LP_FILTERED", u32::from(filtered)));
         let left = self.eyes.left.as_ref();
-        let pass = LpClassify::new(context, targets, buffers, mapping_spec, left)?;
+        let pass = LpClassify::new(context, targets, buffers, &spec, left)?;
         graph.pass("lp_classify", &accesses, pass);
         // As many workgroups as there are samples.
         let accesses = [
@@ -279,13 +285,14 @@ impl Builder<'_> {
         spec.extend_from_slice(&mapping_spec);
         let pass = LpShade::new(context, self.content, targets, buffers, &spec)?;
         graph.pass("lp_shade", &accesses, pass);
-        let filtered = self.effects.lp_filter != settings::LpFilter::None;
-        if filtered {
+        if self.effects.lp_filter != settings::LpFilter::None {
             let accesses = [
                 (ids.fovea, Access::ComputeRead),
                 (ids.tables, Access::ComputeRead),
+                (ids.samples, Access::ComputeRead),
+                (ids.indirect, Access::IndirectRead),
                 (ids.lp, Access::ComputeRead),
-                (ids.lp_filtered, Access::ComputeWrite),
+                (ids.lp_filtered, Access::ComputeReadWrite),
             ];
             let filter = self.effects.lp_filter;
             let pass = LpFilter::new(context, targets, buffers, filter, &mapping_spec)?;
@@ -297,7 +304,7 @@ impl Builder<'_> {
             (ids.lp, Access::ComputeRead),
             (ids.hdr, Access::ComputeReadWrite),
         ];
-        if filtered {
+        if self.effects.lp_filter != settings::LpFilter::None {
             accesses.push((ids.lp_filtered, Access::ComputeRead));
         }
         graph.pass("inverse", &accesses, Inverse::new(context, targets, buffers, &mapping_spec)?);
