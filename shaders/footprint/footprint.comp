@@ -17,15 +17,16 @@ layout(set = 0, binding = 2, std430) readonly buffer ForwardTable { vec2 forward
 #define MAPPING_FORWARD
 #include "shared/mapping.glsl"
 
-// The least levels of the tile's pixels: a pixel that is shaded itself must not be blurred.
-float least_levels(ivec2 first, ivec2 end) {
-    float least = footprint_levels(vec2(first) + 0.5);
-    for (int y = first.y; y < end.y && least > 0.0; ++y) {
+// Whether a pixel of the tile is shaded itself.
+bool holds_native(ivec2 first, ivec2 end) {
+    bool any_native = false;
+    for (int y = first.y; y < end.y && !any_native; ++y) {
         for (int x = first.x; x < end.x; ++x) {
-            least = min(least, footprint_levels(vec2(x, y) + 0.5));
+            LpLookup unused;
+            any_native = any_native || mapping_forward(vec2(x, y) + 0.5, unused) <= 0.0;
         }
     }
-    return least;
+    return any_native;
 }
 
 void main() {
@@ -36,6 +37,8 @@ void main() {
     ivec2 first = tile * FOOTPRINT_TILE_PX;
     ivec2 end = min(first + FOOTPRINT_TILE_PX, ivec2(fovea.size.xy));
     bool near_native = all(lessThan(first, fovea.native_box.zw)) && all(greaterThan(end, fovea.native_box.xy));
-    float levels = near_native ? least_levels(first, end) : footprint_levels(0.5 * vec2(first + end));
+    // A pixel that is shaded itself must not be blurred.
+    bool sharp = near_native && holds_native(first, end);
+    float levels = sharp ? 0.0 : footprint_levels(0.5 * vec2(first + end));
     imageStore(footprint, tile, vec4(levels));
 }

@@ -120,17 +120,17 @@ fn ball() -> Mesh {
     mesh
 }
 
-/// A wall of small polished balls, a few pixels each, close to one another.
+/// Polished balls, 16 px across, before a dark wall.
 fn balls() -> Scene {
-    let mut scene = one(quad(3.0, 3.0), at(0.0, 0.0, -2.05), white(0.0, 0.9));
-    add(&mut scene, ball(), at(0.0, 0.0, -2.0) * DMat4::from_scale(DVec3::splat(0.03)), white(1.0, 0.2));
+    let dark = macula::scene::Material { base_color: Vec4::new(0.02, 0.02, 0.02, 1.0), ..white(0.0, 0.9) };
+    let mut scene = one(quad(3.0, 3.0), at(0.0, 0.0, -2.2), dark);
+    let placed = |x: f64, y: f64| at(x, y, -2.0) * DMat4::from_scale(DVec3::splat(0.1));
+    add(&mut scene, ball(), placed(0.0, 0.0), white(1.0, 0.2));
     let instance = scene.instances[1].clone();
-    for row in -14..=14 {
-        for column in -24..=24 {
-            let place = at(0.06 * f64::from(column), 0.06 * f64::from(row), -2.0);
-            let world_from_mesh = place * DMat4::from_scale(DVec3::splat(0.03));
-            scene.instances.push(macula::scene::Instance { world_from_mesh, ..instance.clone() });
-        }
+    for index in 0..9 * 7 {
+        let (column, row) = (f64::from(index % 9) - 4.0, f64::from(index / 9) - 3.0);
+        let world_from_mesh = placed(0.27 * column, 0.23 * row);
+        scene.instances.push(macula::scene::Instance { world_from_mesh, ..instance.clone() });
     }
     scene.lights.push(sun(3.0, DVec3::new(0.4, -0.5, -1.0)));
     scene
@@ -164,7 +164,7 @@ fn maps_are_sampled_as_coarsely_as_the_mapping_is() {
                 let mapping = vafr_mapping(&settings, gaze_px);
                 let jacobian = mapping.jacobian(px).unwrap();
                 let determinant = jacobian.du_dx * jacobian.dv_dy - jacobian.du_dy * jacobian.dv_dx;
-                (determinant.abs(), mapping.pixels_over_acuity(px) < 1.5)
+                (determinant.abs(), mapping.pixels_over_acuity(px) < 2.0 || px.distance(gaze_px) < 16.0)
             }
         };
         let (mut compared, mut worst) = (0, 0.0_f64);
@@ -177,7 +177,7 @@ fn maps_are_sampled_as_coarsely_as_the_mapping_is() {
                 compared += 1;
             }
         }
-        println!("{method:?}: {compared} tiles, {worst:.3} levels off at most");
+        println!("gaze {gaze:?}: {compared} tiles, {worst:.3} levels off at most");
         // Columns are steps of up to a tenth of their width where they are few.
         assert!(compared > 100 && worst < 0.1, "{worst} levels off");
         let greatest = levels.iter().copied().fold(0.0, f32::max);
@@ -247,7 +247,7 @@ fn native_pixels_stay_those_of_full_shading() {
                 seen_kfr += 1;
             }
         });
-        assert!(seen > 50 && seen_kfr > 50, "{seen} and {seen_kfr} native pixels");
+        assert!(seen > 20 && seen_kfr > 50, "{seen} and {seen_kfr} native pixels");
         assert!(frame.hdr != full.hdr);
     }
 }
