@@ -1,21 +1,25 @@
 //! Rendering without a window: the engine's own device, pictures read back to the CPU.
 
+mod frames;
+mod stereo;
+
 pub use crate::content::Content;
 pub use crate::gpu::owned::{DeviceReport, FeatureReport, device_reports};
 pub use crate::renderer::{FrameInput, GpuMapping, MappedPoint};
+pub use stereo::OffscreenStereo;
 
 use crate::content::GpuContent as SharedContent;
 use crate::error::Result;
 use crate::fovea::{DisplayGeometry, FoveaParams, Kernel, KfrMapping, LpCoord};
-use crate::gpu::pipeline::FRAME_SLOTS;
 use crate::gpu::resource::ImageDesc;
 use crate::gpu::{Context, Image, owned, submit};
 use crate::host::TargetImage;
 use crate::passes;
 use crate::renderer::{FrameSlot, Renderer};
-use crate::settings::RenderSettings;
+use crate::settings::{LpFilter, RenderSettings};
 use crate::stats::{Effects, FrameStats};
 use ash::vk;
+use frames::Frames;
 use glam::DVec2;
 use half::f16;
 use std::sync::Arc;
@@ -81,19 +85,15 @@ impl GpuContent {
 
 /// Renders frames of one content with one set of settings.
 pub struct OffscreenRenderer {
+    // Waits for the GPU before what it uses goes.
+    frames: Frames,
     renderer: Renderer,
     target: Image,
-    pool: vk::CommandPool,
-    /// In turn, so that a frame can be recorded while the one before is rendered.
-    commands: [vk::CommandBuffer; FRAME_SLOTS],
-    current: usize,
-    /// The current frame is recorded and not yet submitted.
-    recorded: bool,
-    /// Of the frame on its way, of which there is at most one: frames share their images.
-    fence: vk::Fence,
-    on_its_way: bool,
     context: Arc<Context>,
 }
+
+/// Of the pictures that are read back.
+const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
 impl OffscreenRenderer {
     /// Builds pipelines, buffers and the frame graph.
@@ -102,56 +102,9 @@ impl OffscreenRenderer {
     /// [`crate::Error::Setting`], [`crate::Error::Memory`] and [`crate::Error::Vulkan`].
     pub fn new(device: &HeadlessDevice, content: &GpuContent, settings: &RenderSettings) -> Result<Self> {
         let context = &device.context;
-        let format = vk::Format::R8G8B8A8_UNORM;
-        let renderer = Renderer::new(context, &content.0, settings, format)?;
-        let target = Image::new(
-            context,
-            &ImageDesc {
-                name: "target",
-                size: settings.display.size_px,
-                layers: 1,
-                levels: 1,
-                format,
-                usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
-                array_view: false,
-            },
-        )?;
-        submit::submit_and_wait(context, "preparing the target", |commands| {
-            submit::to_general(context, commands, &[&target]);
-            Ok(())
-        })?;
-        let mut made = Self {
-            renderer,
-            target,
-            pool: vk::CommandPool::null(),
-            commands: [vk::CommandBuffer::null(); FRAME_SLOTS],
-            current: 0,
-            recorded: false,
-            fence: vk::Fence::null(),
-            on_its_way: false,
-            context: context.clone(),
-        };
-        made.make_commands()?;
-        Ok(made)
-    }
-
-    fn make_commands(&mut self) -> Result<()> {
-        let pool = vk::CommandPoolCreateInfo::default()
-            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER)
-            .queue_family_index(self.context.queue_family);
-        let what = || "preparing to record frames".to_owned();
-        let device = &self.context.device;
-        // SAFETY: the device is alive; the objects are destroyed with `self`.
-        unsafe {
-            self.pool = Context::check(device.create_command_pool(&pool, None), what)?;
-            let info = vk::CommandBufferAllocateInfo::default()
-                .command_pool(self.pool)
-                .command_buffer_count(FRAME_SLOTS as u32);
-            let commands = Context::check(device.allocate_command_buffers(&info), what)?;
-            self.commands.copy_from_slice(&commands);
-            self.fence = Context::check(device.create_fence(&vk::FenceCreateInfo::default(), None), what)?;
-        }
-        Ok(())
+        let renderer = Renderer::new(context, &content.0, settings, FORMAT)?;
+        let target = make_target(context, settings.display.size_px)?;
+        Ok(Self { frames: Frames::new(context)?, renderer, target, context: context.clone() })
     }
 
     /// Renders one frame and waits for it.
@@ -180,28 +133,8 @@ impl OffscreenRenderer {
     /// # Errors
     /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
     pub fn record(&mut self, input: &FrameInput) -> Result<FrameSlot> {
-        if self.recorded {
-            // The buffers of the frame that is still on its way are next in turn.
-            self.wait()?;
-        }
-        self.current = (self.current + 1) % FRAME_SLOTS;
-        let commands = self.commands[self.current];
-        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        let target = TargetImage {
-            image: self.target.image,
-            view: self.target.view,
-            entry_layout: vk::ImageLayout::GENERAL,
-            exit_layout: vk::ImageLayout::GENERAL,
-        };
-        let device = &self.context.device;
-        // SAFETY: at most one frame is on its way, in the other command buffer: this one is free.
-        unsafe {
-            Context::check(device.begin_command_buffer(commands, &begin), rendering)?;
-            let slot = self.renderer.record_frame(commands, input, &target);
-            Context::check(device.end_command_buffer(commands), rendering)?;
-            self.recorded = true;
-            Ok(slot)
-        }
+        let target = target_of(&self.target);
+        self.frames.record(|commands| self.renderer.record_frame(commands, input, &target))
     }
 
     /// [`Renderer::late_latch`].
@@ -214,17 +147,7 @@ impl OffscreenRenderer {
     /// # Errors
     /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
     pub fn launch(&mut self) -> Result<()> {
-        self.wait()?;
-        if !std::mem::take(&mut self.recorded) {
-            return Ok(());
-        }
-        let list = [self.commands[self.current]];
-        let submits = [vk::SubmitInfo::default().command_buffers(&list)];
-        let device = &self.context.device;
-        // SAFETY: the command buffer is recorded, and the fence is free.
-        let done = unsafe { device.queue_submit(self.context.queue, &submits, self.fence) };
-        self.on_its_way = done.is_ok();
-        Context::check(done, rendering)
+        self.frames.launch()
     }
 
     /// Waits for the submitted frame, if there is one.
@@ -232,17 +155,7 @@ impl OffscreenRenderer {
     /// # Errors
     /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
     pub fn wait(&mut self) -> Result<()> {
-        if !self.on_its_way {
-            return Ok(());
-        }
-        self.on_its_way = false;
-        let fence = [self.fence];
-        let device = &self.context.device;
-        // SAFETY: the fence is alive.
-        let done = unsafe {
-            device.wait_for_fences(&fence, true, u64::MAX).and_then(|()| device.reset_fences(&fence))
-        };
-        Context::check(done, rendering)
+        self.frames.wait()
     }
 
     /// Figures of a frame that was waited for.
@@ -294,26 +207,71 @@ impl OffscreenRenderer {
         let [width, height] = image.size;
         Ok(Some((width, height, read_half(&self.context, "the LP-buffer", image)?)))
     }
+
+    /// The last LP-buffer after its filter, like [`Self::read_lp`]; `None` where no filter runs. Columns
+    /// that the filter leaves out are undefined.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
+    pub fn read_lp_filtered(&mut self) -> Result<Option<(u32, u32, Vec<f32>)>> {
+        if self.renderer.settings().method.lp_filter() == LpFilter::None {
+            return Ok(None);
+        }
+        let image = &self.renderer.targets().lp_filtered;
+        let [width, height] = image.size;
+        Ok(Some((width, height, read_half(&self.context, "the filtered LP-buffer", image)?)))
+    }
+
+    /// Of the last frame, by how many mip levels the samples are coarser than pixels: one number for each
+    /// tile of 8x8 px, the last ones of a row or column smaller (width, height, levels). `None` where maps
+    /// are not sampled by footprints.
+    ///
+    /// # Errors
+    /// [`crate::Error::Vulkan`].
+    pub fn read_footprint(&mut self) -> Result<Option<(u32, u32, Vec<f32>)>> {
+        if !self.renderer.maps_by_footprint() {
+            return Ok(None);
+        }
+        let image = &self.renderer.targets().footprint;
+        let bytes = submit::read_image(&self.context, "the footprints", image, 4)?;
+        let [width, height] = image.size;
+        Ok(Some((width, height, bytemuck::pod_collect_to_vec(&bytes))))
+    }
 }
 
-fn rendering() -> String {
-    "rendering a frame".to_owned()
+/// A picture to draw into and to read back, in GENERAL layout.
+fn make_target(context: &Arc<Context>, size: [u32; 2]) -> Result<Image> {
+    let target = Image::new(
+        context,
+        &ImageDesc {
+            name: "target",
+            size,
+            layers: 1,
+            levels: 1,
+            format: FORMAT,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
+            array_view: false,
+        },
+    )?;
+    submit::submit_and_wait(context, "preparing the target", |commands| {
+        submit::to_general(context, commands, &[&target]);
+        Ok(())
+    })?;
+    Ok(target)
+}
+
+fn target_of(image: &Image) -> TargetImage {
+    TargetImage {
+        image: image.image,
+        view: image.view,
+        entry_layout: vk::ImageLayout::GENERAL,
+        exit_layout: vk::ImageLayout::GENERAL,
+    }
 }
 
 fn read_half(context: &Arc<Context>, name: &str, image: &Image) -> Result<Vec<f32>> {
     let bytes = submit::read_image(context, name, image, 8)?;
     Ok(bytes.chunks_exact(2).map(|pair| f16::from_ne_bytes([pair[0], pair[1]]).to_f32()).collect())
-}
-
-impl Drop for OffscreenRenderer {
-    fn drop(&mut self) {
-        // SAFETY: every frame was waited for; after a lost device nothing runs any more.
-        unsafe {
-            let _ = self.context.device.device_wait_idle();
-            self.context.device.destroy_fence(self.fence, None);
-            self.context.device.destroy_command_pool(self.pool, None);
-        }
-    }
 }
 
 /// The mapping's coordinates of display points, computed on the GPU by the function that the

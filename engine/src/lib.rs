@@ -60,5 +60,6 @@ pub mod renderer;
 pub mod scene;
 pub mod settings;
 pub mod stats;
+pub mod stereo;
 
 pub use error::{Error, Result};

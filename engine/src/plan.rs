@@ -3,7 +3,7 @@
 use crate::content::SceneFeatures;
 use crate::passes::MAX_SHADOW_VIEWS;
 use crate::scene::{Light, LightKind};
-use crate::settings::{Method, RenderSettings};
+use crate::settings::{LpFilter, Method, RenderSettings};
 use crate::stats::{EffectNote, Effects};
 
 /// What is built.
@@ -22,10 +22,12 @@ pub struct EffectPlan {
     pub shadows: bool,
     /// The forward pass is built.
     pub forward: bool,
-    /// The LP filter runs.
-    pub lp_filter: bool,
+    /// The filter over the LP-buffer.
+    pub lp_filter: LpFilter,
     /// The post filter runs.
     pub post_filter: bool,
+    /// Maps are sampled by the samples' footprints.
+    pub footprint_maps: bool,
     /// Values of the shading kernel's specialization constants.
     pub shading_spec: Vec<(&'static str, u32)>,
     /// Values of the material's specialization constants, without those of single maps.
@@ -134,9 +136,36 @@ impl EffectPlan {
             "no material is alpha-masked",
         );
         plan.forward = d.decide("transparency", f.blend, yes("blended materials"), "no material is blended");
+        if settings.foveated() {
+            plan.footprints(&mut d, features, settings);
+        }
         plan.after_shading(&mut d, settings);
         plan.effects = d.effects;
         plan
+    }
+
+    /// Shading over footprints larger than a pixel.
+    fn footprints(&mut self, d: &mut Decisions, features: &SceneFeatures, settings: &RenderSettings) {
+        const NAMES: [&str; 2] = ["footprints of maps", "footprints of surfaces"];
+        if !settings.footprint {
+            for name in NAMES {
+                d.setting(name, false, "", "switched off");
+            }
+            return;
+        }
+        self.footprint_maps = d.decide(
+            NAMES[0],
+            features.opaque_maps,
+            "peripheral samples cover several pixels of the scene's maps each".into(),
+            "no opaque material has a map",
+        );
+        let on = d.decide(
+            NAMES[1],
+            features.opaque_lit || features.opaque_maps,
+            "peripheral samples cover several pixels of lit or mapped surfaces each".into(),
+            "every opaque surface has one colour, whatever its normals",
+        );
+        self.shading_spec.push(("HAS_TAPS", u32::from(on)));
     }
 
     /// Decides for the ray-marched scene.
@@ -175,17 +204,20 @@ impl EffectPlan {
     }
 
     fn after_shading(&mut self, d: &mut Decisions, settings: &RenderSettings) {
+        self.lp_filter = settings.method.lp_filter();
+        if settings.foveated() {
+            let yes = match self.lp_filter {
+                LpFilter::None => "",
+                LpFilter::Gaussian => "Gaussian: peripheral texels cover several pixels each",
+                LpFilter::Fxaa => "FXAA: peripheral texels cover several pixels each",
+            };
+            d.setting("LP filter", self.lp_filter != LpFilter::None, yes, "switched off");
+        } else {
+            d.setting("foveation", false, "", "full shading was asked for");
+        }
         if let Method::Kfr(kfr) = &settings.method {
-            self.lp_filter = d.setting(
-                "LP filter",
-                kfr.lp_filter,
-                "peripheral texels cover several pixels each",
-                "switched off",
-            );
             self.post_filter =
                 d.setting("post filter", kfr.post_filter, "switched on (Eq. 2.14)", "not switched on");
-        } else if !settings.foveated() {
-            d.setting("foveation", false, "", "full shading was asked for");
         }
         d.setting("motion vectors", false, "", "nothing reads them");
         d.setting("check of finite values", settings.check_finite, "asked for", "not asked for");

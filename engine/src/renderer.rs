@@ -6,6 +6,7 @@ mod foveation;
 mod frame_data;
 mod graph_of;
 mod points;
+mod reuse;
 
 pub use camera::{CameraFrame, NEAR_M};
 pub use points::{GpuMapping, MappedPoint};
@@ -27,6 +28,8 @@ use ash::vk;
 use foveation::Foveation;
 use glam::{DMat4, DVec2, DVec3};
 use macula_trackers::GazeEstimate;
+use reuse::Reuse;
+pub(crate) use reuse::Role;
 use std::mem::offset_of;
 use std::sync::Arc;
 
@@ -74,6 +77,8 @@ pub struct Renderer {
     slots: [SlotState; FRAME_SLOTS],
     frame_index: u32,
     foveation: Foveation,
+    /// What it takes from the other eye.
+    reuse: Option<Reuse>,
     context: Arc<Context>,
 }
 
@@ -108,15 +113,30 @@ impl Renderer {
         settings: &RenderSettings,
         format: vk::Format,
     ) -> Result<Self> {
+        Self::for_eye(context, content, settings, format, &Role::Alone)
+    }
+
+    /// As [`Self::new`], for one eye of two.
+    pub(crate) fn for_eye(
+        context: &Arc<Context>,
+        content: &GpuContent,
+        settings: &RenderSettings,
+        format: vk::Format,
+        role: &Role<'_>,
+    ) -> Result<Self> {
         settings.check()?;
         check_device_limits(context, settings)?;
-        let effects = match content {
+        let mut effects = match content {
             GpuContent::Scene(scene) => EffectPlan::of_scene(&scene.features, &scene.lights, settings),
             GpuContent::SdfPrimitives => EffectPlan::of_sdf(settings),
         };
         let mut foveation = Foveation::new(settings);
         let room = foveation.room();
-        let targets = Arc::new(graph_of::make_targets(context, content, settings, &effects, room)?);
+        role.note(&mut effects);
+        let reuse = Reuse::of(context, role)?;
+        let eyes = reuse::eyes(role, reuse.as_ref(), &effects);
+        let targets = graph_of::make_targets(context, content, settings, &effects, room, eyes.keeps)?;
+        let targets = Arc::new(targets);
         let mut buffers = FrameBuffers::new(context, content, effects.shadow_views, &room)?;
         foveation.write_fixed_tables(&mut buffers);
         let plan = graph_of::bake(
@@ -128,6 +148,7 @@ impl Renderer {
             &buffers,
             format,
             foveation.kind(),
+            &eyes,
         )?;
         let passes = u32::try_from(plan.steps().len()).unwrap_or(u32::MAX);
         let times = Timestamps::new(context, passes, FRAME_SLOTS as u32)?;
@@ -160,6 +181,7 @@ impl Renderer {
             slots: [SlotState::default(); FRAME_SLOTS],
             frame_index: 0,
             foveation,
+            reuse,
             effects,
             context: context.clone(),
         })
@@ -210,6 +232,9 @@ impl Renderer {
         let frame = camera.params(&self.settings, gaze_px, &self.effects, environment);
         self.buffers.frame[slot].write(0, &[frame]);
         self.buffers.findings[slot].write(0, &[0u32; 4]);
+        if let Some(reuse) = &mut self.reuse {
+            reuse.write(slot, camera.eye);
+        }
         self.slots[slot] = SlotState {
             gaze_held: !valid,
             blended: self.args.blended.len(),
@@ -301,6 +326,7 @@ impl Renderer {
             shaded: u64::from(counts.shaded_texels),
             shaded_on_display: u64::from(counts.shaded_on_display),
             native_pixels: u64::from(counts.native_pixels),
+            reused: u64::from(counts.reused),
         }
     }
 
@@ -333,6 +359,17 @@ impl Renderer {
     #[must_use]
     pub fn settings(&self) -> &RenderSettings {
         &self.settings
+    }
+
+    /// Where the other eye stands in the frame that is recorded next.
+    pub(crate) fn set_left_eye(&mut self, eye: DVec3) {
+        if let Some(reuse) = &mut self.reuse {
+            reuse.left_eye = eye;
+        }
+    }
+
+    pub(crate) fn maps_by_footprint(&self) -> bool {
+        self.effects.footprint_maps
     }
 
     pub(crate) fn targets(&self) -> &Targets {

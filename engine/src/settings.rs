@@ -47,6 +47,44 @@ impl Method {
     }
 }
 
+impl Method {
+    /// The filter over the LP-buffer; none with full shading.
+    #[must_use]
+    pub fn lp_filter(&self) -> LpFilter {
+        match self {
+            Self::Full => LpFilter::None,
+            Self::Kfr(kfr) => kfr.lp_filter,
+            Self::Vafr(vafr) => vafr.lp_filter,
+            // As VaFR's authors have it beside their own: that of KFR.
+            Self::Lafr(_) => LpFilter::Gaussian,
+            Self::VisualPolar(_) | Self::Rmfr(_) | Self::Guenter(_) => LpFilter::None,
+        }
+    }
+}
+
+/// Anti-aliasing of the LP-buffer, before it is mapped back to the display.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LpFilter {
+    /// The texels as they were shaded.
+    #[default]
+    None,
+    /// KFR's 3x3 Gaussian (thesis of 2018, section 2.2.3): it blurs evenly. With KFR it begins where a
+    /// texel covers more than 4 px^2.
+    Gaussian,
+    /// Fast approximate anti-aliasing (Lottes, 2009), as VaFR has it: it smooths edges along their
+    /// direction and leaves the rest.
+    Fxaa,
+}
+
+impl Method {
+    /// Whether [`RenderSettings::footprint`] is on by default: not for methods that are rendered as they
+    /// were published.
+    #[must_use]
+    pub fn footprint_by_default(&self) -> bool {
+        matches!(self, Self::Vafr(VafrSettings { form: VafrForm::Sphere, .. }))
+    }
+}
+
 /// Kernel foveated rendering (thesis of 2018, section 2).
 #[derive(Clone, Debug, PartialEq)]
 pub struct KfrSettings {
@@ -54,8 +92,8 @@ pub struct KfrSettings {
     pub sigma: f64,
     /// Where along the radius the LP-buffer spends its columns.
     pub kernel: Kernel,
-    /// 3x3 Gaussian in the periphery of the LP-buffer (section 2.2.3).
-    pub lp_filter: bool,
+    /// Anti-aliasing of the LP-buffer; the thesis has the Gaussian.
+    pub lp_filter: LpFilter,
     /// Gaussian on the display outside the native disc (Eq. 2.14).
     pub post_filter: bool,
 }
@@ -63,7 +101,12 @@ pub struct KfrSettings {
 impl Default for KfrSettings {
     /// The values that the thesis' user study chose: sigma 1.8, alpha 4.
     fn default() -> Self {
-        Self { sigma: 1.8, kernel: Kernel::Power { alpha: 4.0 }, lp_filter: true, post_filter: false }
+        Self {
+            sigma: 1.8,
+            kernel: Kernel::Power { alpha: 4.0 },
+            lp_filter: LpFilter::Gaussian,
+            post_filter: false,
+        }
     }
 }
 
@@ -74,12 +117,14 @@ pub struct VafrSettings {
     pub form: VafrForm,
     /// The acuity whose samples are shaded.
     pub acuity: AcuityModel,
+    /// Anti-aliasing of the LP-buffer; the paper has FXAA.
+    pub lp_filter: LpFilter,
 }
 
 impl Default for VafrSettings {
-    /// On the sphere, with the paper's acuity model.
+    /// On the sphere, with the paper's acuity model and filter.
     fn default() -> Self {
-        Self { form: VafrForm::Sphere, acuity: AcuityModel::vafr_2025() }
+        Self { form: VafrForm::Sphere, acuity: AcuityModel::vafr_2025(), lp_filter: LpFilter::Fxaa }
     }
 }
 
@@ -130,6 +175,10 @@ pub struct RenderSettings {
     pub shadow_map_size: u32,
     /// Samples per pixel or LP texel of a ray-marched scene, 1 to 16.
     pub samples_per_pixel: u32,
+    /// Shade over a sample's whole footprint where that is larger than a pixel: maps by its size,
+    /// surfaces from several pixels, roughness widened by the variance of its normals. Of no meaning for
+    /// full shading, whose samples are pixels, and for the ray-marched scene, which does it always.
+    pub footprint: bool,
     /// Run every effect, also those that the scene does not call for.
     pub force_effects: bool,
     /// Count NaN and infinite values in every buffer (in a pass that the frame's time leaves out).
@@ -142,6 +191,7 @@ impl RenderSettings {
     pub fn new(display: DisplayGeometry, method: Method) -> Self {
         Self {
             display,
+            footprint: method.footprint_by_default(),
             method,
             tone_map: ToneMap::default(),
             view: View::default(),

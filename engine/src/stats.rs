@@ -49,6 +49,8 @@ pub struct LpStats {
     pub shaded_on_display: u64,
     /// Display pixels around the gaze that were shaded directly.
     pub native_pixels: u64,
+    /// Texels and native pixels that were taken from the other eye instead of being shaded.
+    pub reused: u64,
 }
 
 /// Figures of one finished frame.

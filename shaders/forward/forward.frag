@@ -11,6 +11,7 @@
 #include "shared/lighting.glsl"
 #include "shared/store.glsl"
 #include "shared/material.glsl"
+#include "shared/footprint.glsl"
 #include "shared/surface.glsl"
 layout(location = 0) out vec4 out_color;
 

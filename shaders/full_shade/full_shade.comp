@@ -8,7 +8,7 @@ layout(set = 0, binding = 9, rgba16f) uniform writeonly image2D hdr;
 void main() {
     ivec2 px = ivec2(gl_GlobalInvocationID.xy);
     bool inside = all(lessThan(uvec2(px), frame.size));
-    vec3 radiance = shade_px(inside, px);
+    vec3 radiance = shade(surface_of_px(inside, px));
     if (inside) {
         imageStore(hdr, px, vec4(radiance, 1.0));
     }

@@ -24,4 +24,5 @@ void main() {
     counts.shaded_texels = 0u;
     counts.native_pixels = 0u;
     counts.shaded_on_display = 0u;
+    counts.reused = 0u;
 }

@@ -3,6 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared/deferred.glsl"
 #include "shared/lp_targets.glsl"
+#include "shared/footprint.glsl"
+#include "lp_shade/taps.glsl"
 
 void main() {
     uint entry = 0u;
@@ -16,7 +18,11 @@ void main() {
         vec2 at = texel_px(uvec2(lp_texel(entry)));
         px = clamp(ivec2(floor(at)), ivec2(0), ivec2(fovea.size.xy) - 1);
     }
-    vec4 radiance = vec4(shade_px(wanted, px), 1.0);
+    PixelSurface surface = surface_of_px(wanted, px);
+    if (HAS_TAPS && !native_sample && surface.depth > 0.0) {
+        gather_taps(uvec2(lp_texel(entry)), surface);
+    }
+    vec4 radiance = vec4(shade(surface), 1.0);
     if (!wanted) {
         return;
     }

@@ -13,6 +13,7 @@ layout(set = 0, binding = 3, std430) readonly buffer ForwardTable { vec2 forward
 #define LP_TABLES_BINDING 4
 #include "shared/lp_tables.glsl"
 #define MAPPING_FORWARD
+#define MAPPING_OF_NATIVE true
 #include "shared/mapping.glsl"
 layout(push_constant) uniform Push { uint count; uint mode; };
 

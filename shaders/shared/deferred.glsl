@@ -109,19 +109,33 @@ vec3 punctual_lights(bool lit, Shading s, vec3 position) {
     return sum;
 }
 
-// The radiance of a display pixel. Must be called by every invocation of the workgroup, with `wanted`
-// false where there is nothing to shade.
-vec3 shade_px(bool wanted, ivec2 px) {
+// What is seen through a display pixel.
+struct PixelSurface {
+    vec3 ray;      // of depth 1 along the view axis
+    float depth;   // as in the depth buffer; 0: the sky
+    vec3 position; // rel
+    Surface surface;
+};
+
+// Of a pixel of the display; the sky where it is not `wanted`.
+PixelSurface surface_of_px(bool wanted, ivec2 px) {
+    PixelSurface s;
     vec2 centre = vec2(px) + 0.5;
-    vec3 ray = frame.ray_base.xyz + centre.x * frame.ray_dx.xyz + centre.y * frame.ray_dy.xyz;
-    float depth = wanted ? texelFetch(depth_buffer, px, 0).r : 0.0;
-    Surface surface = gbuffer_decode(depth > 0.0 ? texelFetch(gbuffer, px, 0) : uvec4(0u));
-    vec3 position = ray * (frame.near / max(depth, 1e-30));
-    bool lit = depth > 0.0 && !surface.unlit;
-    Shading s = shading_at(surface, position);
-    vec3 radiance = punctual_lights(lit, s, position);
-    if (depth <= 0.0) {
-        return storable(sky_radiance(normalize(ray)));
+    s.ray = frame.ray_base.xyz + centre.x * frame.ray_dx.xyz + centre.y * frame.ray_dy.xyz;
+    s.depth = wanted ? texelFetch(depth_buffer, px, 0).r : 0.0;
+    s.surface = gbuffer_decode(s.depth > 0.0 ? texelFetch(gbuffer, px, 0) : uvec4(0u));
+    s.position = s.ray * (frame.near / max(s.depth, 1e-30));
+    return s;
+}
+
+// Its radiance. Must be called by every invocation of the workgroup, with the sky where there is nothing
+// to shade.
+vec3 shade(PixelSurface p) {
+    bool lit = p.depth > 0.0 && !p.surface.unlit;
+    Shading s = shading_at(p.surface, p.position);
+    vec3 radiance = punctual_lights(lit, s, p.position);
+    if (p.depth <= 0.0) {
+        return storable(sky_radiance(normalize(p.ray)));
     }
-    return storable(surface.unlit ? surface.emissive : radiance + other_light(s, surface));
+    return storable(p.surface.unlit ? p.surface.emissive : radiance + other_light(s, p.surface));
 }

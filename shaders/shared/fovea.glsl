@@ -35,13 +35,14 @@ struct FoveaParams {
     vec4 octave;    // ln 2 / (2 L) head of 16 bits, tail; L / ln 2 hi, lo
     uvec4 kernel;   // kind, alpha where it is an integer or 0, number of coefficients, 0
     vec4 shape;     // alpha hi, lo, 1 / alpha, 0
-    vec4 ring;      // native radius (px), blend band (px), u_norm of the filter's start, reach (px)
+    vec4 ring;      // native radius (px), blend band (px), u_norm of the LP filter's start (1: none), reach (px)
     vec4 beta_hi[2];
     vec4 beta_lo[2];
     // The other methods; mapping.glsl reads these.
     vec4 base_px;      // origin of offsets on the display: x hi, y hi, x lo, y lo
     vec4 ray_rows[3];  // ray in the gaze's frame from (offset, 1)
     vec4 px_rows[3];   // the inverse
+    vec4 edges[4];     // unit normals, inwards, of the planes through the gaze's frame and the display's edges
     vec4 table;        // knots per unit, last knot, px per unit of the plane at distance 1, 1 / native band
     ivec4 native_box;  // first px, end px
     vec4 native_rect;  // x0, y0, x1, y1 in px

@@ -125,9 +125,16 @@ vec2 place_px(TexelPlace place, vec4 offset) {
 // A texel's bounds on the display.
 struct TexelReach {
     vec2 px;        // centre
-    float reach_px; // no pixel that interpolates with the texel is farther from the centre
-    float into;     // into_band() at the most of those pixels
+    bool seen;      // a pixel of the display may interpolate with the texel
+    float reach_px; // those pixels lie within this distance of the centre, or at the horizon a little farther
+    float into;     // how far past the native region the outermost of those pixels is; below 0: all are native
 };
+
+// Distance of a point to the display, px; 0 inside.
+float outside_px(vec2 px) {
+    vec2 size = fovea.size_f.zw;
+    return length(max(max(-px, px - size), vec2(0.0)));
+}
 
 TexelReach radial_reach(uvec2 texel) {
     TexelReach result;
@@ -135,16 +142,22 @@ TexelReach radial_reach(uvec2 texel) {
     vec2 around = fovea_direction((float(texel.y) + 0.5) / height);
     vec4 inner_centre = lp_tables[2u * texel.x];
     vec4 outer_rest = lp_tables[2u * texel.x + 1u];
+    vec3 ray = vec3(inner_centre.z * around, inner_centre.w);
     float depth;
-    result.px = px_of_frame_ray(vec3(inner_centre.z * around, inner_centre.w), depth);
-    // One texel outwards and one along the circle, as an angle. On the display's plane an angle grows
-    // with the square of the distance at most.
+    result.px = px_of_frame_ray(ray, depth);
+    // A pixel that reads the texel lies less than one texel outwards and one along the circle away. As an
+    // angle, because on the display's plane a texel near the horizon has no end.
     float outward = 2.0 * distance(outer_rest.xy, inner_centre.zw);
-    float along = 6.2831853 * outer_rest.x / height;
+    float along = 6.2831853 * max(outer_rest.x, inner_centre.z) / height;
+    float reach = 1.01 * length(vec2(outward, along)) + 1e-6;
+    vec4 inside = vec4(
+        dot(fovea.edges[0].xyz, ray), dot(fovea.edges[1].xyz, ray),
+        dot(fovea.edges[2].xyz, ray), dot(fovea.edges[3].xyz, ray));
+    result.seen = all(greaterThanEqual(inside, vec4(-reach)));
     float ray_length = 1.0 / max(depth, 1e-9);
-    result.reach_px = length(vec2(outward, along)) * ray_length * ray_length * fovea.table.z + 1.0;
     // Density and acuity change by less than this over the reach.
     float over_acuity = 1.05 * ray_length * ray_length * ray_length / outer_rest.w;
+    result.reach_px = reach * ray_length * ray_length * fovea.table.z + 1.0;
     float past_disc_px = distance(result.px, fovea.gaze_px.xy) + result.reach_px - (fovea.ring.x - fovea.ring.y);
     result.into = min(over_acuity - 1.0, past_disc_px);
     return result;
@@ -157,6 +170,7 @@ TexelReach kernel_reach(uvec2 texel) {
     // A pixel reads the four texels around it: those whose centres are less than a texel away.
     float along_px = radii_px.w * (6.2831853 / fovea.size_f.y);
     result.reach_px = length(vec2(radii_px.w - radii_px.y, along_px)) + 1.0;
+    result.seen = outside_px(result.px) <= result.reach_px;
     result.into = radii_px.w + 1.0 - (fovea.ring.x - fovea.ring.y);
     return result;
 }
@@ -173,6 +187,7 @@ TexelReach axes_reach(uvec2 texel) {
     vec4 row = lp_tables[first_row(texel.x) + texel.y];
     result.px = vec2(column.y, row.y);
     result.reach_px = length(vec2(column.z - column.x, row.z - row.x)) + 1.0;
+    result.seen = outside_px(result.px) <= result.reach_px;
     bool inner = float(texel.x) < fovea.axes.z;
     vec4 finer = inner ? fovea.native_rect : fovea.layer_rect;
     result.into = outside_rect_px(finer, result.px) + result.reach_px + (inner ? fovea.axes.x : fovea.axes.y);
@@ -195,6 +210,10 @@ struct LpLookup {
 };
 
 #ifdef MAPPING_FORWARD
+
+#ifndef MAPPING_OF_NATIVE
+#define MAPPING_OF_NATIVE false
+#endif
 
 // The ray through a display position in the gaze's frame.
 vec3 frame_ray(vec2 px) {
@@ -234,7 +253,8 @@ float mapping_forward(vec2 px, out LpLookup lookup) {
     }
     float past_disc = (distance(px, fovea.gaze_px.xy) - (fovea.ring.x - fovea.ring.y)) / fovea.ring.y;
     if (MAPPING_KIND == MAPPING_KERNEL) {
-        vec2 texels = past_disc > 0.0 ? fovea_forward_texels(fovea, px) : vec2(0.0);
+        // Native pixels need no place in the LP-buffer.
+        vec2 texels = past_disc > 0.0 || MAPPING_OF_NATIVE ? fovea_forward_texels(fovea, px) : vec2(0.0);
         lookup.u = texels.x;
         lookup.v_share = texels.y / fovea.size_f.y;
         return past_disc;
@@ -246,6 +266,38 @@ float mapping_forward(vec2 px, out LpLookup lookup) {
     lookup.v_share = fovea_turns(ray.xy);
     float over_acuity = ray_length * ray_length * ray_length / knot.y;
     return min(past_disc, (over_acuity - 1.0) * fovea.table.w);
+}
+
+// Display area of the LP texel at a lookup's place, px^2: 1 over the mapping's Jacobian determinant.
+float texel_area_px2(vec2 px, LpLookup lookup) {
+    uint u = uint(clamp(lookup.u, lookup.columns.x, lookup.columns.y));
+    vec4 column = lp_tables[2u * u];
+    float height = column_height(u);
+    if (MAPPING_KIND == MAPPING_KERNEL) {
+        return (column.z - column.x) * column.y * (6.2831853 / height);
+    }
+    if (MAPPING_KIND == MAPPING_AXES) {
+        vec4 row = lp_tables[first_row(u) + uint(clamp(lookup.v_share * height, 0.0, height - 1.0))];
+        return (column.z - column.x) * (row.z - row.x);
+    }
+    float outward = distance(lp_tables[2u * u + 1u].xy, column.xy);
+    float along = 6.2831853 * column.z / height;
+    // The plane's area grows over the solid angle by the cube of the ray's length.
+    vec3 ray = frame_ray(px);
+    float ray_length2 = dot(ray, ray);
+    return outward * along * ray_length2 * sqrt(ray_length2) * (fovea.table.z * fovea.table.z);
+}
+
+// Mip levels by which a sample at a display position is coarser than a pixel: log2 of the side of a square
+// of the texel's area. 0 where pixels are shaded themselves; rises to the texel's over the blend band.
+float footprint_levels(vec2 px) {
+    LpLookup lookup;
+    float past_native = mapping_forward(px, lookup);
+    if (past_native <= 0.0) {
+        return 0.0;
+    }
+    float levels = 0.5 * log2(max(texel_area_px2(px, lookup), 1.0));
+    return levels * min(past_native, 1.0);
 }
 
 #endif

@@ -7,6 +7,11 @@ layout(constant_id = 14) const bool HAS_OCCLUSION_MAP = true;
 layout(constant_id = 15) const bool HAS_BASE_COLOR_MAP = true;
 layout(constant_id = 16) const bool HAS_METALLIC_ROUGHNESS_MAP = true;
 layout(constant_id = 17) const bool HAS_EMISSIVE_MAP = true;
+// Samples are coarser than pixels; a pass that is not foveated leaves it off.
+layout(constant_id = 18) const bool HAS_FOOTPRINT = false;
+
+// By how many mip levels this fragment's sample is coarser than its pixel.
+float map_levels = 0.0;
 
 layout(location = 3) in vec4 in_uv;
 layout(location = 4) in vec4 in_color;
@@ -23,6 +28,11 @@ vec2 map_uv(TextureUse use_) {
     return vec2(dot(use_.row_u.xyz, uv), dot(use_.row_v.xyz, uv));
 }
 
+// A map over the sample's footprint; a sample of one pixel gets what it would get without.
+vec4 map_at(sampler2D map, vec2 uv) {
+    return HAS_FOOTPRINT ? texture(map, uv, map_levels) : texture(map, uv);
+}
+
 vec3 unit_or(vec3 v, vec3 otherwise) {
     float length2 = dot(v, v);
     // Also false for NaN.
@@ -32,7 +42,15 @@ vec3 unit_or(vec3 v, vec3 otherwise) {
 vec4 base_color_at() {
     vec4 color = material.base_color;
     if (HAS_BASE_COLOR_MAP && material.base_color_use.row_v.w > 0.5) {
-        color *= texture(base_color_map, map_uv(material.base_color_use));
+        vec2 uv = map_uv(material.base_color_use);
+        vec4 map = map_at(base_color_map, uv);
+        if (HAS_FOOTPRINT) {
+            if (HAS_ALPHA_MASK) {
+                // The mask decides on what is there at all, and that stays as in full shading.
+                map.a = texture(base_color_map, uv).a;
+            }
+        }
+        color *= map;
     }
     return HAS_VERTEX_COLORS ? color * in_color : color;
 }

@@ -214,6 +214,9 @@ fn a_picture_equals_itself() {
     assert_eq!((&report["psnr_db"], &report["flip"]), (&"inf".into(), &0.0.into()));
     assert_eq!(report["psnr_within_5_deg_db"], "inf");
     assert_eq!(report["rings"].as_array().unwrap().len(), 6);
+    let surviving = &report["acuity_surviving"];
+    assert_eq!((&surviving["psnr_db"], &surviving["rmse"]), (&"inf".into(), &0.0.into()));
+    assert_eq!(surviving["rings"].as_array().unwrap().len(), 6);
     // One value of 3 * 1200 off by 36: the mean square is known.
     picture.get_pixel_mut(3, 4).0[2] += 36;
     picture.save(&b).unwrap();
@@ -221,6 +224,12 @@ fn a_picture_equals_itself() {
     let expected = 10.0 * (255.0_f64.powi(2) * 3600.0 / 36.0_f64.powi(2)).log10();
     assert!((report["psnr_db"].as_f64().unwrap() - expected).abs() < 1e-6, "{report}");
     assert!(report["flip"].as_f64().unwrap() > 0.0);
+    assert_eq!(report["acuity_surviving"], Value::Null);
+    // With half a pixel to a degree the display resolves less than the eye everywhere: all survives.
+    let eye = ["--gaze", "0.5,0.5", "--hfov-deg", "90", "--json"];
+    let report = json(&run(&[&["compare", &a, &b][..], &eye].concat()), "one value");
+    let surviving = report["acuity_surviving"]["psnr_db"].as_f64().unwrap();
+    assert!((surviving - expected).abs() < 1e-3, "{surviving}, not {expected}");
 }
 
 #[test]

@@ -19,8 +19,16 @@ fn made_small(command: &str) -> String {
     let small = command
         .replace("--triangles 250000 --lights 256", "--triangles 10000 --lights 4")
         .replace("--size 1920x1080", "--size 96x54");
-    let bench = " --sizes 64x36 --runs 1 --triangles 10000 --hall-lights 2 --lights 1,2";
-    if small.contains("bench") { small + bench } else { small }
+    let few = match small.as_str() {
+        "macula bench kfr" => " --sizes 64x36 --runs 1 --triangles 10000 --hall-lights 2 --lights 1,2",
+        "macula bench vafr" => " --sizes 64x36 --rounds 1 --triangles 10000 --hall-lights 2",
+        "macula bench flicker" => " --size 64x36 --frames 3 --triangles 10000 --lights 2",
+        // A test of its own runs more of it.
+        "macula hardcases --subset" => " --family acuity",
+        command if command.starts_with("macula rates") => " --size 96x54 --step-deg 2",
+        _ => "",
+    };
+    small + few
 }
 
 #[test]

@@ -6,7 +6,7 @@ use macula::fovea::{Kernel, KfrMapping};
 use macula::headless::{FrameInput, GpuContent, HeadlessDevice, OffscreenRenderer};
 use macula::quality::compare;
 use macula::scene::Scene;
-use macula::settings::{KfrSettings, Method, ToneMap};
+use macula::settings::{KfrSettings, LpFilter, Method, ToneMap};
 use macula_tests::scenes::{at, camera_of, coloured_quad, hall, one, quad, unlit};
 use macula_tests::{Frame, ahead, gpu, kfr, kfr_with, next_frame, render_content, settings, upload};
 
@@ -133,7 +133,7 @@ fn a_constant_picture_stays_constant() {
         (4.0, Kernel::Power { alpha: 6.0 }, false),
         (1.8, Kernel::Sine, false),
     ] {
-        let method = Method::Kfr(KfrSettings { sigma, kernel, lp_filter: true, post_filter });
+        let method = Method::Kfr(KfrSettings { sigma, kernel, lp_filter: LpFilter::Gaussian, post_filter });
         let settings = settings([160, 90], 100.0, method);
         let mut renderer = OffscreenRenderer::new(&gpu, &content, &settings).unwrap();
         for (x, y) in
@@ -169,10 +169,10 @@ fn a_ramp_comes_back_as_a_ramp() {
     let display = settings(size, 90.0, Method::Full).display;
     let scene = ramp_scene(display.tan_right as f32, display.tan_up as f32);
     let content = upload(&gpu, &scene, None);
-    for (sigma, alpha, lp_filter) in
-        [(1.0, 4.0, false), (1.8, 4.0, true), (1.8, 1.0, false), (3.0, 2.0, true)]
+    for (sigma, alpha, filtered) in [(1.0, 4.0, false), (1.8, 4.0, true), (1.8, 1.0, false), (3.0, 2.0, true)]
     {
         let kernel = Kernel::Power { alpha };
+        let lp_filter = if filtered { LpFilter::Gaussian } else { LpFilter::None };
         let method = Method::Kfr(KfrSettings { sigma, kernel, lp_filter, post_filter: false });
         let settings = settings(size, 90.0, method);
         for gaze in [[120.0, 80.0], [60.0, 110.0]] {
@@ -208,7 +208,7 @@ fn a_ramp_comes_back_as_a_ramp() {
                         sum_px += error_px;
                         // Chords and the filter pull towards the gaze, each by the angle's square.
                         let angle = across_px / radius_px;
-                        shrink_px += radius_px * angle * angle * if lp_filter { 0.375 } else { 0.125 };
+                        shrink_px += radius_px * angle * angle * if filtered { 0.375 } else { 0.125 };
                         count += 1.0;
                     }
                 }

@@ -158,9 +158,9 @@ fn the_graph_prints_its_passes_in_order_with_barriers() {
         (
             Method::Kfr(kfr),
             &[
+                "lp_tables",
                 "shadow",
                 "gbuffer",
-                "lp_tables",
                 "lp_classify",
                 "lp_dispatch",
                 "lp_shade",

@@ -2,9 +2,10 @@
 //! allocation of the thread that records and submits.
 
 use glam::{DMat4, DVec2, DVec3};
-use macula::headless::{FrameInput, OffscreenRenderer};
-use macula::scene::{AlphaMode, LightKind, Material};
-use macula::settings::{KfrSettings, Method};
+use macula::headless::{FrameInput, OffscreenRenderer, OffscreenStereo};
+use macula::scene::{AlphaMode, LightKind, Material, Scene};
+use macula::settings::{KfrSettings, Method, VafrSettings};
+use macula::stereo::{StereoGaze, StereoInput, StereoMode, StereoSettings};
 use macula_tests::scenes::{add, at, light, one, quad, sun, white};
 use macula_tests::{gpu, settings, upload};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -50,13 +51,8 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-#[test]
-fn a_steady_frame_allocates_nothing() {
-    let before = ALLOCATIONS.get();
-    drop(std::hint::black_box(Box::new(1_u64)));
-    assert_eq!(ALLOCATIONS.get(), before + 1, "the counter does not count");
-
-    let gpu = gpu();
+/// Surfaces before a wall, blended ones among them, under a sun and a lamp.
+fn small_scene() -> Scene {
     let mut scene = one(quad(2.0, 2.0), at(0.0, 0.0, -2.0), white(0.2, 0.4));
     for x in -3..=3 {
         let glass = Material { alpha_mode: AlphaMode::Blend, ..white(0.0, 0.5) };
@@ -66,7 +62,17 @@ fn a_steady_frame_allocates_nothing() {
     scene.lights.push(sun(3.0, DVec3::new(0.2, -0.3, -1.0)));
     let point = LightKind::Point { range: 8.0 };
     scene.lights.push(light(2.0, DVec3::new(0.0, 0.5, -1.0), DVec3::NEG_Z, point));
-    let content = upload(&gpu, &scene, None);
+    scene
+}
+
+#[test]
+fn a_steady_frame_allocates_nothing() {
+    let before = ALLOCATIONS.get();
+    drop(std::hint::black_box(Box::new(1_u64)));
+    assert_eq!(ALLOCATIONS.get(), before + 1, "the counter does not count");
+
+    let gpu = gpu();
+    let content = upload(&gpu, &small_scene(), None);
     let kfr = Method::Kfr(KfrSettings { post_filter: true, ..KfrSettings::default() });
     for method in [Method::Full, kfr] {
         for (check_finite, force_effects) in [(false, false), (true, true)] {
@@ -92,6 +98,41 @@ fn a_steady_frame_allocates_nothing() {
             }
             let allocated = ALLOCATIONS.get() - before;
             assert_eq!(allocated, 0, "{method:?}: {allocated} allocations in 16 frames");
+        }
+    }
+}
+
+#[test]
+fn a_steady_frame_of_both_eyes_allocates_nothing() {
+    let gpu = gpu();
+    let content = upload(&gpu, &small_scene(), None);
+    for method in [Method::Kfr(KfrSettings::default()), Method::Vafr(VafrSettings::default())] {
+        for mode in [StereoMode::Dup, StereoMode::Rep] {
+            let settings = StereoSettings::mirrored(settings([96, 64], 80.0, method.clone()), 0.063, mode);
+            let mut renderer = OffscreenStereo::new(&gpu, &content, &settings).unwrap();
+            let gaze = |frame: u32| {
+                StereoGaze::Point(DVec3::new(
+                    f64::from(frame % 7) * 0.3 - 1.0,
+                    f64::from(frame % 3) * 0.4,
+                    -1.5,
+                ))
+            };
+            let input = |frame: u32| StereoInput {
+                world_from_head: DMat4::from_rotation_y(f64::from(frame % 5) * 0.4),
+                gaze: gaze(frame),
+            };
+            for frame in 0..4 {
+                renderer.render(&input(frame)).unwrap();
+            }
+            let before = ALLOCATIONS.get();
+            for frame in 4..16 {
+                let slot = renderer.record(&input(frame)).unwrap();
+                renderer.late_latch(slot, gaze(frame + 1));
+                renderer.launch().unwrap();
+                renderer.wait().unwrap();
+            }
+            let allocated = ALLOCATIONS.get() - before;
+            assert_eq!(allocated, 0, "{mode:?} {method:?}: {allocated} allocations in 12 frames");
         }
     }
 }

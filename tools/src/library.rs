@@ -3,10 +3,12 @@
 use crate::failure::Failure;
 use crate::options::HallArgs;
 use glam::DVec2;
-use macula::fovea::{DisplayGeometry, Kernel, KfrMapping, LpCoord};
+use macula::fovea::{AcuityModel, DisplayGeometry, Kernel, KfrMapping, LpCoord};
 use macula::headless::{self, DeviceOptions, DeviceReport, HeadlessDevice};
 use macula::io::image_file;
+use macula::quality::acuity_error::{self, AcuityError};
 use macula::quality::compare::{self, Comparison};
+use macula::quality::picture::Picture;
 use macula::scene::Scene;
 use macula::scene::hall::{self, HallOptions};
 use macula::scene::load::{LoadOptions, load};
@@ -82,6 +84,18 @@ pub fn compare_pictures(
         psnr_within_5_deg_db: None,
         rings: Vec::new(),
     })
+}
+
+/// The acuity-surviving error of two RGBA pictures that fill a display, by the default acuity model.
+pub fn acuity_error(
+    a: &[u8],
+    b: &[u8],
+    (display, gaze_px): (&DisplayGeometry, DVec2),
+) -> Result<AcuityError, Failure> {
+    let (a, b) = (compare::rgb_of_rgba(a), compare::rgb_of_rgba(b));
+    let acuity = AcuityModel::default();
+    let cutoff_cpd = |ecc_deg| acuity.cpd(ecc_deg);
+    Ok(acuity_error::acuity_error(Picture::Srgb8(&a), Picture::Srgb8(&b), display, gaze_px, cutoff_cpd)?)
 }
 
 /// An 8-bit picture from a PNG file.

@@ -66,17 +66,33 @@ impl PairCount {
 pub fn measure_pairs<T, E>(
     count: PairCount,
     mut measure: impl FnMut(bool) -> Result<T, E>,
-    mut progress: impl FnMut(f64),
+    progress: impl FnMut(f64),
 ) -> Result<Pairs<T>, E> {
-    let mut pairs = Pairs { first: Vec::new(), second: Vec::new() };
+    let mut frames = measure_rounds(count, 2, |variant| measure(variant == 1), progress)?;
+    let second = frames.pop().unwrap_or_default();
+    let first = frames.pop().unwrap_or_default();
+    Ok(Pairs { first, second })
+}
+
+/// Measures several variants in turn, each round in the reverse order of the one before: the frames of each
+/// variant, of which the i-th ones were measured in one round.
+///
+/// # Errors
+/// The first one of `measure`, whose argument is the variant.
+pub fn measure_rounds<T, E>(
+    count: PairCount,
+    variants: usize,
+    mut measure: impl FnMut(usize) -> Result<T, E>,
+    mut progress: impl FnMut(f64),
+) -> Result<Vec<Vec<T>>, E> {
+    let mut frames: Vec<_> = (0..variants).map(|_| Vec::new()).collect();
     let begun = Instant::now();
     let mut wanted = 1;
     let mut done = 0;
     while done < wanted {
-        let swapped = done % 2 == 1;
-        for second in [swapped, !swapped] {
-            let result = measure(second)?;
-            if second { &mut pairs.second } else { &mut pairs.first }.push(result);
+        for place in 0..variants {
+            let variant = if done % 2 == 0 { place } else { variants - 1 - place };
+            frames[variant].push(measure(variant)?);
         }
         if done == 0 {
             wanted = count.after(begun.elapsed());
@@ -84,7 +100,7 @@ pub fn measure_pairs<T, E>(
         done += 1;
         progress(f64::from(done) / f64::from(wanted));
     }
-    Ok(pairs)
+    Ok(frames)
 }
 
 /// How many times faster the second variant is.

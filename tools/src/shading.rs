@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use macula::fovea::{
     AcuityModel, DisplayGeometry, GuenterParams, LafrParams, RmfrParams, VafrForm, VisualPolarParams,
 };
-use macula::settings::{KfrSettings, Method, VafrSettings};
+use macula::settings::{KfrSettings, LpFilter, Method, RenderSettings, VafrSettings};
 use std::path::{Path, PathBuf};
 
 /// The methods.
@@ -47,7 +47,8 @@ impl MethodName {
 
     /// The method with its default parameters and an acuity model, which only VaFR reads.
     pub fn with_acuity(self, acuity: &AcuityModel) -> Method {
-        let vafr = |form| Method::Vafr(VafrSettings { form, acuity: acuity.clone() });
+        let vafr =
+            |form| Method::Vafr(VafrSettings { form, acuity: acuity.clone(), ..VafrSettings::default() });
         match self {
             Self::Full => Method::Full,
             Self::Kfr => Method::Kfr(KfrSettings::default()),
@@ -57,6 +58,27 @@ impl MethodName {
             Self::VisualPolar => Method::VisualPolar(VisualPolarParams::default()),
             Self::Rmfr => Method::Rmfr(RmfrParams::default()),
             Self::Guenter3 => Method::Guenter(GuenterParams::default()),
+        }
+    }
+}
+
+/// The filters over the LP-buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum LpFilterName {
+    /// The texels as they were shaded
+    None,
+    /// 3x3 in the periphery: blurs evenly
+    Gaussian,
+    /// Fast approximate anti-aliasing: smooths edges only
+    Fxaa,
+}
+
+impl LpFilterName {
+    fn filter(self) -> LpFilter {
+        match self {
+            Self::None => LpFilter::None,
+            Self::Gaussian => LpFilter::Gaussian,
+            Self::Fxaa => LpFilter::Fxaa,
         }
     }
 }
@@ -123,9 +145,9 @@ pub struct ShadingArgs {
     sigma: Option<f64>,
     #[command(flatten, next_help_heading = "Foveation")]
     kernel: KernelArgs,
-    /// Leave out the LP-buffer's Gaussian in the periphery
-    #[arg(long, help_heading = "Foveation")]
-    no_lp_filter: bool,
+    /// Anti-aliasing of the LP-buffer [default: gaussian with kfr, fxaa with vafr and vafr-planar]
+    #[arg(long, value_enum, value_name = "FILTER", help_heading = "Foveation")]
+    lp_filter: Option<LpFilterName>,
     /// Gaussian on the display that grows with the distance from the gaze
     #[arg(long, help_heading = "Foveation")]
     post_filter: bool,
@@ -134,6 +156,13 @@ pub struct ShadingArgs {
     /// No more samples of vafr-planar than the display resolves at its centre
     #[arg(long, help_heading = "Foveation")]
     display_limit: bool,
+    /// Shade over each sample's footprint: maps by its size, roughness by its normals' variance
+    /// [default: with vafr only; the others are as published]
+    #[arg(long, help_heading = "Foveation", overrides_with = "no_footprint")]
+    footprint: bool,
+    /// Shade every sample as if it were a pixel
+    #[arg(long, help_heading = "Foveation")]
+    no_footprint: bool,
 }
 
 impl ShadingArgs {
@@ -142,18 +171,34 @@ impl ShadingArgs {
         self.method.name()
     }
 
+    /// Settings for a display; all that is not of the method as it is by default.
+    ///
+    /// # Errors
+    /// As [`Self::method`].
+    pub fn settings(&self, display: DisplayGeometry) -> Result<RenderSettings, Failure> {
+        let given = [(self.footprint, "--footprint"), (self.no_footprint, "--no-footprint")];
+        let given = given.into_iter().find_map(|(is_given, name)| is_given.then_some(name));
+        if let (MethodName::Full, Some(name)) = (self.method, given) {
+            return Err(without_meaning(name));
+        }
+        let mut settings = RenderSettings::new(display, self.method(&display)?);
+        settings.footprint = (settings.footprint || self.footprint) && !self.no_footprint;
+        Ok(settings)
+    }
+
     /// The method, its parameters checked as far as they do not need a display.
     ///
     /// # Errors
     /// [`Failure::Usage`] for a parameter that belongs to another method or is out of range; what reading an
     /// acuity model reports.
-    pub fn method(&self, display: &DisplayGeometry) -> Result<Method, Failure> {
+    fn method(&self, display: &DisplayGeometry) -> Result<Method, Failure> {
         self.check_belonging()?;
+        let lp_filter = self.lp_filter.map(LpFilterName::filter);
         if self.method == MethodName::Kfr {
             return Ok(Method::Kfr(KfrSettings {
                 sigma: self.sigma.unwrap_or(KfrSettings::default().sigma),
                 kernel: self.kernel.kernel()?,
-                lp_filter: !self.no_lp_filter,
+                lp_filter: lp_filter.unwrap_or(LpFilter::Gaussian),
                 post_filter: self.post_filter,
             }));
         }
@@ -162,7 +207,11 @@ impl ShadingArgs {
             let centre_per_rad = display.tangents_per_px().max_element().recip();
             acuity = acuity.limited_to(centre_per_rad * 1f64.to_radians() / 2.0)?;
         }
-        Ok(self.method.with_acuity(&acuity))
+        let mut method = self.method.with_acuity(&acuity);
+        if let (Method::Vafr(vafr), Some(lp_filter)) = (&mut method, lp_filter) {
+            vafr.lp_filter = lp_filter;
+        }
+        Ok(method)
     }
 
     /// Refuses options of other methods.
@@ -170,15 +219,15 @@ impl ShadingArgs {
         let of_kfr = [
             (self.sigma.is_some(), "--sigma"),
             (self.kernel.given().is_some(), self.kernel.given().unwrap_or_default()),
-            (self.no_lp_filter, "--no-lp-filter"),
             (self.post_filter, "--post-filter"),
         ];
         let given_of_kfr = of_kfr.iter().find_map(|(given, name)| given.then_some(*name));
+        let given_filter = self.lp_filter.map(|_| "--lp-filter");
         let given_of_vafr = self.acuity.given();
         let given_of_planar = self.display_limit.then_some("--display-limit");
         let foreign = match self.method {
             MethodName::Full => {
-                return match given_of_kfr.or(given_of_vafr).or(given_of_planar) {
+                return match given_of_kfr.or(given_filter).or(given_of_vafr).or(given_of_planar) {
                     Some(name) => Err(without_meaning(name)),
                     None => Ok(()),
                 };
@@ -186,7 +235,7 @@ impl ShadingArgs {
             MethodName::Kfr => given_of_vafr.or(given_of_planar),
             MethodName::Vafr => given_of_kfr.or(given_of_planar),
             MethodName::VafrPlanar => given_of_kfr,
-            _ => given_of_kfr.or(given_of_vafr).or(given_of_planar),
+            _ => given_of_kfr.or(given_filter).or(given_of_vafr).or(given_of_planar),
         };
         foreign.map_or(Ok(()), |name| {
             let method = self.method.name();

@@ -14,6 +14,10 @@ pub struct SceneFeatures {
     pub alpha_mask: bool,
     /// Normal maps.
     pub normal_maps: bool,
+    /// Maps of any kind on surfaces that are not blended.
+    pub opaque_maps: bool,
+    /// Surfaces that are lit and not blended.
+    pub opaque_lit: bool,
     /// Emissive or unlit materials.
     pub emissive: bool,
     /// Occlusion maps.
@@ -40,6 +44,8 @@ impl SceneFeatures {
             let blend = material.alpha_mode == AlphaMode::Blend;
             features.blend |= blend;
             features.opaque |= !blend;
+            features.opaque_maps |= !blend && MaterialVariant::of(material).has_maps();
+            features.opaque_lit |= !blend && !material.unlit;
             features.alpha_mask |= matches!(material.alpha_mode, AlphaMode::Mask { .. });
             features.normal_maps |= material.normal_texture.is_some();
             features.emissive |= material.unlit || material.emissive.max_element() > 0.0;
@@ -77,6 +83,9 @@ const VARIANT_BITS: [&str; 6] = [
     "HAS_ALPHA_MASK",
 ];
 
+/// The place of the last of them.
+const ALPHA_MASK_BIT: usize = VARIANT_BITS.len() - 1;
+
 impl MaterialVariant {
     /// The variant of a material.
     #[must_use]
@@ -92,10 +101,16 @@ impl MaterialVariant {
         Self((0..).zip(has).fold(0, |bits, (bit, has)| bits | u8::from(has) << bit))
     }
 
+    /// Has a map.
+    #[must_use]
+    pub fn has_maps(self) -> bool {
+        self.0 & !(1 << ALPHA_MASK_BIT) != 0
+    }
+
     /// Alpha-masked.
     #[must_use]
     pub fn masked(self) -> bool {
-        self.0 >> 5 & 1 == 1
+        self.0 >> ALPHA_MASK_BIT & 1 == 1
     }
 
     /// The specialization constants; `force`: all on.

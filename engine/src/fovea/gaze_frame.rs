@@ -107,6 +107,19 @@ impl GazeFrame {
         x.length().min(y.length())
     }
 
+    /// Unit normals, pointing inwards, of the planes through the frame's origin and the display's left,
+    /// right, upper and lower edge.
+    pub(super) fn edges(&self, size_px: [u32; 2]) -> [[f32; 4]; 4] {
+        let [x, y, one] = {
+            let rows = self.offset_from_ray.transpose();
+            [rows.x_axis, rows.y_axis, rows.z_axis]
+        };
+        let (low, high) = (-self.base_px, size_dvec2_px(size_px) - self.base_px);
+        // An offset's distance from an edge, as a function of the ray, is 0 on the plane through it.
+        [x - one * low.x, one * high.x - x, y - one * low.y, one * high.y - y]
+            .map(|normal| normal.normalize_or_zero().as_vec3().extend(0.0).to_array())
+    }
+
     /// For the shaders: the base (x hi, y hi, x lo, y lo), the rows of the ray's matrix, the rows of its
     /// inverse.
     pub(super) fn rows(&self) -> ([f32; 4], [[f32; 4]; 3], [[f32; 4]; 3]) {

@@ -36,8 +36,8 @@ pub struct FoveaParams {
     pub kernel: [u32; 4],
     /// The power's exponent alpha hi, lo, `1/alpha`, 0.
     pub shape: [f32; 4],
-    /// Native radius (px), blend band (px), `u_norm` from which the LP filter works, distance to
-    /// the farthest corner (px).
+    /// Native radius (px), blend band (px), `u_norm` from which the LP filter works (1: it
+    /// does not), distance to the farthest corner (px).
     pub ring: [f32; 4],
     /// `beta_0` to `beta_7`, hi.
     pub beta_hi: [[f32; 4]; 2],
@@ -49,6 +49,9 @@ pub struct FoveaParams {
     pub ray_rows: [[f32; 4]; 3],
     /// Rows of its inverse.
     pub px_rows: [[f32; 4]; 3],
+    /// Unit normals, pointing inwards, of the planes through the frame's origin and the display's left,
+    /// right, upper and lower edge.
+    pub edges: [[f32; 4]; 4],
     /// Radial methods: knots of the forward table per unit of its abscissa, its last knot, pixels per
     /// unit of the plane at distance 1, and 1 over the width of the native disc's band.
     pub table: [f32; 4],
@@ -144,6 +147,7 @@ impl FoveaParams {
         let [width, display_height] = mapping.display().size_px;
         let columns = mapping.columns_in_use();
         let (base_px, ray_rows, px_rows) = mapping.frame().rows();
+        let edges = mapping.frame().edges([width, display_height]);
         let last = (FORWARD_KNOTS - 1) as f64;
         let pixel = mapping.frame().least_step();
         // Around the singular point; wider where pixels are compared with the acuity.
@@ -161,6 +165,7 @@ impl FoveaParams {
             base_px,
             ray_rows,
             px_rows,
+            edges,
             table: [
                 (last / forward_reach(mapping)) as f32,
                 last as f32,

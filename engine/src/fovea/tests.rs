@@ -398,7 +398,7 @@ fn native_disc_ends_where_texels_outgrow_pixels() {
 
 #[test]
 fn nothing_is_non_finite_and_the_block_has_its_layout() {
-    assert_eq!(size_of::<FoveaParams>(), 384);
+    assert_eq!(size_of::<FoveaParams>(), 448);
     for size_px in [[1, 1], [1, 7], [2, 2], [13, 1], [1920, 1080], [11520, 6480]] {
         for gaze_px in hard_gazes(size_px) {
             for kernel in kernels() {

@@ -158,16 +158,36 @@ pub struct SampleCounts {
     pub native_pixels: u32,
     /// LP texels in the list whose centre lies on the display.
     pub shaded_on_display: u32,
+    /// Texels and pixels that were taken from the other eye; not in the list.
+    pub reused: u32,
     /// Unused.
     pub pad0: u32,
     /// Unused.
     pub pad1: u32,
-    /// Unused.
-    pub pad2: u32,
 }
 
 gpu_layout!(SampleCounts, "SampleCounts" {
-    listed, on_display, shaded_texels, native_pixels, shaded_on_display, pad0, pad1, pad2,
+    listed, on_display, shaded_texels, native_pixels, shaded_on_display, reused, pad0, pad1,
+});
+
+/// `ReuseParams`: what the right eye may take from the left one.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ReuseParams {
+    /// From the left eye to the right one, world axes, m; w unused.
+    pub left_from_right: [f32; 4],
+    /// See [`crate::stereo::ReuseSettings`].
+    pub least_roughness: f32,
+    /// See there.
+    pub greatest_metallic: f32,
+    /// See there.
+    pub depth_tolerance: f32,
+    /// See there.
+    pub least_normal_cosine: f32,
+}
+
+gpu_layout!(ReuseParams, "ReuseParams" {
+    left_from_right, least_roughness, greatest_metallic, depth_tolerance, least_normal_cosine,
 });
 
 /// The block `SdfCamera`
@@ -211,6 +231,7 @@ mod tests {
         check::<TextureUse>();
         check::<Material>();
         check::<SampleCounts>();
+        check::<ReuseParams>();
         check::<SdfCamera>();
     }
 

@@ -54,7 +54,7 @@ impl GBuffer {
                     scene_vertices: true,
                     ..GraphicsState::default()
                 },
-                &[("Frame", Bind::PerSlot(&buffers.frame))],
+                &[("Frame", Bind::PerSlot(&buffers.frame)), ("footprint", Bind::Image(&targets.footprint))],
             )?;
             pipelines.push((variant, pipeline));
         }

@@ -13,7 +13,7 @@ use std::sync::Arc;
 // Here and not beside the struct: `fovea` is mathematics and knows no GPU.
 gpu_layout!(FoveaParams, "FoveaParams" {
     gaze_px, size, size_f, log_reach, octave, kernel, shape, ring, beta_hi, beta_lo, base_px, ray_rows,
-    px_rows, table, native_box, native_rect, layer_rect, axes,
+    px_rows, edges, table, native_box, native_rect, layer_rect, axes,
 });
 
 /// The pass.

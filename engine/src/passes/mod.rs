@@ -2,10 +2,12 @@
 //! layer and what it renders; it does not know the renderer.
 
 mod finite_check;
+mod footprint;
 mod forward;
 mod full_shade;
 mod gbuffer;
 mod inverse;
+mod keep;
 mod lp_classify;
 mod lp_dispatch;
 mod lp_filter;
@@ -18,11 +20,13 @@ mod shadow;
 mod targets;
 
 pub use finite_check::{FINDINGS_PER_IMAGE, FiniteCheck};
+pub use footprint::Footprint;
 pub use forward::Forward;
 pub use full_shade::FullShade;
 pub use gbuffer::GBuffer;
 pub use inverse::Inverse;
-pub use lp_classify::LpClassify;
+pub use keep::Keep;
+pub use lp_classify::{LeftEye, LpClassify};
 pub use lp_dispatch::LpDispatch;
 pub use lp_filter::LpFilter;
 pub use lp_shade::LpShade;

@@ -1,6 +1,7 @@
 //! The images and buffers that passes share.
 
 use super::FINDINGS_PER_IMAGE;
+use super::footprint::TILE_PX;
 use crate::content::{GpuContent, GpuScene};
 use crate::error::{Error, Result};
 use crate::fovea::FoveaParams;
@@ -17,8 +18,12 @@ pub struct Targets {
     pub(crate) depth: Image,
     pub(crate) hdr: Image,
     pub(crate) post_scratch: Image,
+    /// The shaded picture, for the other eye.
+    pub(crate) kept: Image,
+    keeps: bool,
     pub(crate) lp: Image,
     pub(crate) lp_filtered: Image,
+    pub(crate) footprint: Image,
     pub(crate) shadow_maps: Image,
     pub(crate) samples: Buffer,
     pub(crate) counts: Buffer,
@@ -58,6 +63,10 @@ pub struct TargetSizes {
     pub post_filter: bool,
     /// The LP filter runs.
     pub lp_filter: bool,
+    /// The shaded picture is kept for the other eye.
+    pub kept: bool,
+    /// Maps are sampled by footprints.
+    pub footprint: bool,
 }
 
 impl Targets {
@@ -116,8 +125,18 @@ impl Targets {
                 1,
                 false,
             )?,
+            kept: image("kept", when(sizes.kept, display), half, color, 1, false)?,
+            keeps: sizes.kept,
             lp: image("lp", lp_size, half, color, 1, false)?,
             lp_filtered: image("lp filtered", when(sizes.lp_filter, lp_size), half, color, 1, false)?,
+            footprint: image(
+                "footprint",
+                when(sizes.footprint, display.map(|side| side.div_ceil(TILE_PX))),
+                vk::Format::R32_SFLOAT,
+                Usage::STORAGE | Usage::SAMPLED | Usage::TRANSFER_SRC,
+                1,
+                false,
+            )?,
             shadow_maps: image(
                 "shadow maps",
                 [shadow_side; 2],
@@ -137,6 +156,13 @@ impl Targets {
         Ok(made)
     }
 
+    /// The picture as it was shaded: without blended surfaces and without the post filter. Only where
+    /// [`TargetSizes::kept`] says so, or where neither runs.
+    #[must_use]
+    pub fn shaded(&self) -> &Image {
+        if self.keeps { &self.kept } else { &self.hdr }
+    }
+
     fn initialise(&self, context: &Arc<Context>) -> Result<()> {
         submit::submit_and_wait(context, "preparing the frame's images", |commands| {
             let images = [
@@ -144,8 +170,10 @@ impl Targets {
                 &self.depth,
                 &self.hdr,
                 &self.post_scratch,
+                &self.kept,
                 &self.lp,
                 &self.lp_filtered,
+                &self.footprint,
                 &self.shadow_maps,
             ];
             submit::to_general(context, commands, &images);

@@ -14,7 +14,7 @@ use serde::{Serialize, Serializer};
 pub const RING_STARTS_DEG: [f64; 6] = [0.0, 2.0, 5.0, 10.0, 20.0, 40.0];
 
 /// The most pixels that a picture may have: FLIP counts its bytes in 32 bits.
-const MAX_PIXELS: usize = 1 << 28;
+pub(super) const MAX_PIXELS: usize = 1 << 28;
 
 /// The range of pixels per degree in which FLIP's filters have a sensible size.
 const PIXELS_PER_DEGREE: std::ops::RangeInclusive<f32> = 0.1..=1000.0;
@@ -31,7 +31,7 @@ pub struct Ring {
     pub pixels: u64,
     /// PSNR over them, dB; `None`, written as null, without pixels. Infinite, written as `"inf"`,
     /// where they are all equal.
-    #[serde(serialize_with = "decibels_or_null")]
+    #[serde(serialize_with = "number_inf_or_null")]
     pub psnr_db: Option<f64>,
     /// Mean FLIP error over them, 0..=1; `None`, written as null, without pixels.
     pub flip: Option<f64>,
@@ -41,12 +41,12 @@ pub struct Ring {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// [`psnr_db`] of the whole pictures; infinite, written as `"inf"`, where they are equal.
-    #[serde(serialize_with = "decibels")]
+    #[serde(serialize_with = "number_or_inf")]
     pub psnr_db: f64,
     /// [`flip_mean`] of the whole pictures.
     pub flip: f64,
     /// [`within`] 5 degrees of the gaze; written as in [`Ring::psnr_db`].
-    #[serde(serialize_with = "decibels_or_null")]
+    #[serde(serialize_with = "number_inf_or_null")]
     pub psnr_within_5_deg_db: Option<f64>,
     /// The rings that begin at [`RING_STARTS_DEG`].
     pub rings: Vec<Ring>,
@@ -54,18 +54,21 @@ pub struct Comparison {
 
 // Signatures as serde wants them.
 #[allow(clippy::trivially_copy_pass_by_ref)]
-fn finite_or_null<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+pub(super) fn finite_or_null<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     value.is_finite().then_some(*value).serialize(serializer)
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref)]
-fn decibels<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+pub(super) fn number_or_inf<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     if value.is_infinite() { serializer.serialize_str("inf") } else { serializer.serialize_f64(*value) }
 }
 
-fn decibels_or_null<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+pub(super) fn number_inf_or_null<S: Serializer>(
+    value: &Option<f64>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     match value {
-        Some(value) => decibels(value, serializer),
+        Some(value) => number_or_inf(value, serializer),
         None => serializer.serialize_none(),
     }
 }
@@ -166,7 +169,7 @@ pub fn pixels_per_degree(display: &DisplayGeometry) -> Result<f32> {
 
 /// The angle between the rays through a pixel's centre and through the gaze, degrees, of every pixel
 /// of a row.
-fn eccentricities(
+pub(super) fn eccentricities(
     display: &DisplayGeometry,
     gaze_px: DVec2,
     row: usize,
@@ -177,6 +180,17 @@ fn eccentricities(
         // Precise for small angles too, which an arc cosine is not.
         gaze.cross(ray).length().atan2(gaze.dot(ray)).to_degrees()
     })
+}
+
+/// The ring that an eccentricity lies in, an index of [`RING_STARTS_DEG`].
+pub(super) fn ring_of(eccentricity_deg: f64) -> usize {
+    // Angles are at least 0, so at least the first ring has begun.
+    RING_STARTS_DEG.iter().rposition(|&start| start <= eccentricity_deg).unwrap_or(0)
+}
+
+/// Where a ring ends, degrees; infinite for the last one.
+pub(super) fn ring_end_deg(ring: usize) -> f64 {
+    RING_STARTS_DEG.get(ring + 1).copied().unwrap_or(f64::INFINITY)
 }
 
 /// What is added up in a ring.
@@ -191,6 +205,11 @@ struct Sums {
 fn check_view(a: &[u8], b: &[u8], display: &DisplayGeometry, gaze_px: DVec2) -> Result<()> {
     display.check()?;
     check_sizes(a, b, display.size_px)?;
+    check_gaze(gaze_px)
+}
+
+/// Checks that a gaze is a position.
+pub(super) fn check_gaze(gaze_px: DVec2) -> Result<()> {
     if !gaze_px.is_finite() {
         return Err(Error::Setting(format!(
             "the gaze at {gaze_px} px is not finite; give a display position"
@@ -225,8 +244,7 @@ pub fn rings(
         let mut sums = [Sums::default(); RING_STARTS_DEG.len()];
         let pixels = a.chunks_exact(3).zip(b.chunks_exact(3)).zip(flip);
         for (((a, b), &flip), angle) in pixels.zip(eccentricities(display, gaze_px, row)) {
-            // Angles are at least 0, so at least the first ring has begun.
-            let ring = RING_STARTS_DEG.iter().rposition(|&start| start <= angle).unwrap_or(0);
+            let ring = ring_of(angle);
             sums[ring].pixels += 1;
             sums[ring].squares += squared_difference(a, b);
             sums[ring].flip += f64::from(flip);
@@ -246,7 +264,7 @@ pub fn rings(
         let any = sums.pixels > 0;
         Ring {
             from_deg: RING_STARTS_DEG[index],
-            to_deg: RING_STARTS_DEG.get(index + 1).copied().unwrap_or(f64::INFINITY),
+            to_deg: ring_end_deg(index),
             pixels: sums.pixels,
             psnr_db: any.then(|| psnr_of_sum(sums.squares, 3 * sums.pixels)),
             flip: any.then(|| sums.flip / sums.pixels as f64),
@@ -299,9 +317,9 @@ pub fn compare(a: &[u8], b: &[u8], display: &DisplayGeometry, gaze_px: DVec2) ->
     })
 }
 
-/// RGB of RGBA, 8 bits each; alpha is dropped. Bytes after the last whole pixel are ignored.
+/// RGB of RGBA; alpha is dropped. Values after the last whole pixel are ignored.
 #[must_use]
-pub fn rgb_of_rgba(rgba: &[u8]) -> Vec<u8> {
+pub fn rgb_of_rgba<T: Copy>(rgba: &[T]) -> Vec<T> {
     rgba.as_chunks::<4>().0.iter().flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
 }
 

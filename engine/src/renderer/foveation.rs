@@ -10,7 +10,7 @@ use crate::fovea::{
 };
 use crate::gpu::Context;
 use crate::passes::{FrameBuffers, LpRoom, PointTables, Way, map_any};
-use crate::settings::{KfrSettings, Method, RenderSettings};
+use crate::settings::{KfrSettings, LpFilter, Method, RenderSettings};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -27,6 +27,7 @@ pub(super) enum MappingKind {
 pub(super) struct Foveation {
     display: DisplayGeometry,
     active: Active,
+    lp_filter: LpFilter,
     room: LpRoom,
     /// The native box of any gaze on the display is at most as large, px.
     widest_box_px: [u32; 2],
@@ -151,6 +152,7 @@ impl Foveation {
         let mut made = Self {
             display,
             active: Active::new(&settings.method, &display),
+            lp_filter: settings.method.lp_filter(),
             room,
             widest_box_px: [0, 0],
             knots: vec![[0.0; 2]],
@@ -222,7 +224,14 @@ impl Foveation {
 
     /// The block for a gaze.
     pub(super) fn params(&mut self, gaze_px: DVec2) -> FoveaParams {
-        self.active.params(&self.display, (self.room.native, self.room.size[1]), gaze_px)
+        let mut params = self.active.params(&self.display, (self.room.native, self.room.size[1]), gaze_px);
+        // KFR's Gaussian leaves out the columns whose texels are finer than a pixel or little coarser.
+        match (self.lp_filter, &self.active) {
+            (LpFilter::None, _) => params.ring[2] = 1.0,
+            (LpFilter::Gaussian, Active::Kernel(_)) => {}
+            (LpFilter::Gaussian | LpFilter::Fxaa, _) => params.ring[2] = 0.0,
+        }
+        params
     }
 
     /// Texels of the columns that a block uses.
@@ -291,11 +300,7 @@ fn kernel_params(display: &DisplayGeometry, kfr: &KfrSettings, room: u64, gaze_p
     let mapping = KfrMapping::new(display.size_px, gaze_px, kfr.kernel, kfr.sigma);
     let disc_px = native_radius_px(display, gaze_px, mapping.native_radius_px());
     let most_px = ((room as f64 / PI).sqrt() - 1.0).max(0.0);
-    let mut params = FoveaParams::new(&mapping).with_disc(disc_px.min(most_px));
-    if !kfr.lp_filter {
-        params.ring[2] = 1.0;
-    }
-    params
+    FoveaParams::new(&mapping).with_disc(disc_px.min(most_px))
 }
 
 /// Eccentricity that KFR's native disc should cover, degrees: the fovea and the parafovea.

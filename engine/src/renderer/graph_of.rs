@@ -5,13 +5,15 @@ use crate::content::{GpuContent, GpuScene};
 use crate::error::{Error, Result};
 use crate::fovea::Kernel;
 use crate::gpu::Context;
+use crate::gpu::pipeline::Spec;
 use crate::graph::{Access, Graph, Plan, ResourceId};
 use crate::passes::{
-    FiniteCheck, Forward, FrameArgs, FrameBuffers, FullShade, GBuffer, Inverse, LpClassify, LpDispatch,
-    LpFilter, LpRoom, LpShade, LpTables, Output, PostFilter, Shadow, TargetSizes, Targets,
+    FiniteCheck, Footprint, Forward, FrameArgs, FrameBuffers, FullShade, GBuffer, Inverse, Keep, LeftEye,
+    LpClassify, LpDispatch, LpFilter, LpRoom, LpShade, LpTables, Output, PostFilter, Shadow, TargetSizes,
+    Targets,
 };
 use crate::plan::EffectPlan;
-use crate::settings::{Method, RenderSettings};
+use crate::settings::{self, Method, RenderSettings};
 use ash::vk;
 use std::sync::Arc;
 
@@ -22,6 +24,7 @@ pub(super) fn make_targets(
     settings: &RenderSettings,
     effects: &EffectPlan,
     lp: LpRoom,
+    kept: bool,
 ) -> Result<Targets> {
     Targets::new(
         context,
@@ -32,7 +35,9 @@ pub(super) fn make_targets(
             shadow_views: effects.shadow_views,
             shadows: effects.shadows,
             post_filter: effects.post_filter,
-            lp_filter: effects.lp_filter,
+            lp_filter: effects.lp_filter != settings::LpFilter::None,
+            kept,
+            footprint: effects.footprint_maps,
         },
     )
 }
@@ -51,14 +56,18 @@ struct Ids {
     stats: ResourceId,
     lp: ResourceId,
     lp_filtered: ResourceId,
+    footprint: ResourceId,
     hdr: ResourceId,
     post_scratch: ResourceId,
+    kept: ResourceId,
+    /// What the right eye reads of the left one.
+    left: Option<ResourceId>,
     target: ResourceId,
     findings: ResourceId,
 }
 
 impl Ids {
-    fn declare(graph: &mut Graph<FrameArgs>) -> Self {
+    fn declare(graph: &mut Graph<FrameArgs>, eyes: &Eyes<'_>) -> Self {
         Self {
             scene: graph.input("scene"),
             fovea: graph.input("fovea"),
@@ -72,8 +81,11 @@ impl Ids {
             stats: graph.resource("sample statistics"),
             lp: graph.resource("lp"),
             lp_filtered: graph.resource("lp filtered"),
+            footprint: graph.resource("footprint"),
             hdr: graph.resource("hdr"),
             post_scratch: graph.resource("post filter scratch"),
+            kept: graph.resource("kept picture"),
+            left: eyes.left.as_ref().map(|_| graph.input("left eye")),
             target: graph.resource("target"),
             findings: graph.input("findings"),
         }
@@ -89,11 +101,23 @@ struct Builder<'a> {
     targets: &'a Arc<Targets>,
     buffers: &'a FrameBuffers,
     kind: MappingKind,
+    eyes: &'a Eyes<'a>,
     ids: Ids,
     graph: Graph<FrameArgs>,
 }
 
+/// What an eye has to do with the other one.
+#[derive(Default)]
+pub(super) struct Eyes<'a> {
+    /// Its shaded picture is kept for the other eye before anything is drawn over it.
+    pub(super) keeps: bool,
+    /// It takes from this one.
+    pub(super) left: Option<LeftEye<'a>>,
+}
+
 /// Builds the passes and bakes the graph.
+// What the graph is made of; one struct for them would be `Builder` again.
+#[allow(clippy::too_many_arguments)]
 pub(super) fn bake(
     context: &Arc<Context>,
     content: &GpuContent,
@@ -103,10 +127,15 @@ pub(super) fn bake(
     buffers: &FrameBuffers,
     format: vk::Format,
     kind: MappingKind,
+    eyes: &Eyes<'_>,
 ) -> Result<Plan<FrameArgs>> {
     let mut graph = Graph::default();
-    let ids = Ids::declare(&mut graph);
-    let mut builder = Builder { context, content, settings, effects, targets, buffers, kind, ids, graph };
+    let ids = Ids::declare(&mut graph, eyes);
+    let mut builder =
+        Builder { context, content, settings, effects, targets, buffers, kind, eyes, ids, graph };
+    if settings.foveated() {
+        builder.mapping_tables()?;
+    }
     if let GpuContent::Scene(scene) = content {
         builder.geometry(scene)?;
     }
@@ -122,6 +151,31 @@ pub(super) fn bake(
 }
 
 impl Builder<'_> {
+    /// The mapping taken apart, and how coarse it makes the maps.
+    fn mapping_tables(&mut self) -> Result<()> {
+        let (context, targets, buffers) = (self.context, self.targets, self.buffers);
+        let ids = &self.ids;
+        let graph = &mut self.graph;
+        // The mapping taken apart into columns and rows, once for all texels.
+        if self.kind == MappingKind::Kernel {
+            let accesses = [(ids.fovea, Access::ComputeRead), (ids.tables, Access::ComputeWrite)];
+            graph.pass("lp_tables", &accesses, LpTables::computed(context, targets, buffers)?);
+        } else {
+            let accesses = [(ids.fovea, Access::CopyRead), (ids.tables, Access::CopyWrite)];
+            graph.pass("lp_tables", &accesses, LpTables::copied(context, targets, buffers));
+        }
+        if self.effects.footprint_maps {
+            let accesses = [
+                (ids.fovea, Access::ComputeRead),
+                (ids.tables, Access::ComputeRead),
+                (ids.footprint, Access::ComputeWrite),
+            ];
+            let spec = mapping_spec(self.kind, &self.settings.method);
+            graph.pass("footprint", &accesses, Footprint::new(context, targets, buffers, &spec)?);
+        }
+        Ok(())
+    }
+
     /// Shadow maps and the G-buffer, both of them at full resolution.
     fn geometry(&mut self, scene: &Arc<GpuScene>) -> Result<()> {
         let ids = &self.ids;
@@ -130,14 +184,18 @@ impl Builder<'_> {
             let accesses = [(ids.scene, Access::VertexRead), (ids.shadow_maps, Access::DepthWrite)];
             self.graph.pass("shadow", &accesses, pass);
         }
-        let spec = &self.effects.material_spec;
-        let pass =
-            GBuffer::new(self.context, scene, self.targets, self.buffers, spec, self.settings.force_effects)?;
-        let accesses = [
+        let mut spec = self.effects.material_spec.clone();
+        spec.push(("HAS_FOOTPRINT", u32::from(self.effects.footprint_maps)));
+        let forced = self.settings.force_effects;
+        let pass = GBuffer::new(self.context, scene, self.targets, self.buffers, &spec, forced)?;
+        let mut accesses = vec![
             (ids.scene, Access::VertexRead),
             (ids.gbuffer, Access::ColorWrite),
             (ids.depth, Access::DepthWrite),
         ];
+        if self.effects.footprint_maps {
+            accesses.push((ids.footprint, Access::FragmentRead));
+        }
         self.graph.pass("gbuffer", &accesses, pass);
         Ok(())
     }
@@ -165,30 +223,37 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Which samples, shade them, filter the periphery, back to the display.
-    fn foveated(&mut self) -> Result<()> {
+    /// Which samples there are, and how many workgroups shade them.
+    fn samples(&mut self, mapping_spec: Spec<'_>) -> Result<()> {
         let (context, targets, buffers) = (self.context, self.targets, self.buffers);
-        let reads = self.surface_reads();
         let ids = &self.ids;
         let graph = &mut self.graph;
-        // The mapping taken apart into columns and rows, once for all texels.
-        if self.kind == MappingKind::Kernel {
-            let accesses = [(ids.fovea, Access::ComputeRead), (ids.tables, Access::ComputeWrite)];
-            graph.pass("lp_tables", &accesses, LpTables::computed(context, targets, buffers)?);
-        } else {
-            let accesses = [(ids.fovea, Access::CopyRead), (ids.tables, Access::CopyWrite)];
-            graph.pass("lp_tables", &accesses, LpTables::copied(context, targets, buffers));
-        }
-        let mapping_spec = mapping_spec(self.kind, &self.settings.method);
         // Only texels that land on the display, and the native pixels around the gaze.
-        let accesses = [
+        let filtered = self.effects.lp_filter != settings::LpFilter::None;
+        let mut accesses = vec![
             (ids.fovea, Access::ComputeRead),
             (ids.tables, Access::ComputeRead),
             (ids.samples, Access::ComputeWrite),
             (ids.counts, Access::ComputeReadWrite),
             (ids.lp, Access::ComputeWrite),
         ];
-        graph.pass("lp_classify", &accesses, LpClassify::new(context, targets, buffers, &mapping_spec)?);
+        if filtered {
+            accesses.push((ids.lp_filtered, Access::ComputeWrite));
+        }
+        if let Some(left) = ids.left {
+            // What the other eye has shaded already is stored at once and not listed.
+            accesses.extend([
+                (left, Access::ComputeRead),
+                (ids.gbuffer, Access::ComputeRead),
+                (ids.depth, Access::ComputeRead),
+                (ids.hdr, Access::ComputeWrite),
+            ]);
+        }
+        let mut spec = mapping_spec.to_vec();
+        spec.push(("LP_FILTERED", u32::from(filtered)));
+        let left = self.eyes.left.as_ref();
+        let pass = LpClassify::new(context, targets, buffers, &spec, left)?;
+        graph.pass("lp_classify", &accesses, pass);
         // As many workgroups as there are samples.
         let accesses = [
             (ids.counts, Access::ComputeReadWrite),
@@ -196,6 +261,17 @@ impl Builder<'_> {
             (ids.stats, Access::ComputeWrite),
         ];
         graph.pass("lp_dispatch", &accesses, LpDispatch::new(context, targets, buffers)?);
+        Ok(())
+    }
+
+    /// Which samples, shade them, filter the periphery, back to the display.
+    fn foveated(&mut self) -> Result<()> {
+        let (context, targets, buffers) = (self.context, self.targets, self.buffers);
+        let mapping_spec = mapping_spec(self.kind, &self.settings.method);
+        self.samples(&mapping_spec)?;
+        let reads = self.surface_reads();
+        let ids = &self.ids;
+        let graph = &mut self.graph;
         let mut accesses = reads;
         accesses.extend([
             (ids.fovea, Access::ComputeRead),
@@ -209,13 +285,18 @@ impl Builder<'_> {
         spec.extend_from_slice(&mapping_spec);
         let pass = LpShade::new(context, self.content, targets, buffers, &spec)?;
         graph.pass("lp_shade", &accesses, pass);
-        if self.effects.lp_filter {
+        if self.effects.lp_filter != settings::LpFilter::None {
             let accesses = [
                 (ids.fovea, Access::ComputeRead),
+                (ids.tables, Access::ComputeRead),
+                (ids.samples, Access::ComputeRead),
+                (ids.indirect, Access::IndirectRead),
                 (ids.lp, Access::ComputeRead),
-                (ids.lp_filtered, Access::ComputeWrite),
+                (ids.lp_filtered, Access::ComputeReadWrite),
             ];
-            graph.pass("lp_filter", &accesses, LpFilter::new(context, targets, buffers)?);
+            let filter = self.effects.lp_filter;
+            let pass = LpFilter::new(context, targets, buffers, filter, &mapping_spec)?;
+            graph.pass("lp_filter", &accesses, pass);
         }
         let mut accesses = vec![
             (ids.fovea, Access::ComputeRead),
@@ -223,10 +304,15 @@ impl Builder<'_> {
             (ids.lp, Access::ComputeRead),
             (ids.hdr, Access::ComputeReadWrite),
         ];
-        if self.effects.lp_filter {
+        if self.effects.lp_filter != settings::LpFilter::None {
             accesses.push((ids.lp_filtered, Access::ComputeRead));
         }
         graph.pass("inverse", &accesses, Inverse::new(context, targets, buffers, &mapping_spec)?);
+        if self.eyes.keeps {
+            let accesses = [(ids.hdr, Access::CopyRead), (ids.kept, Access::CopyWrite)];
+            graph.pass("keep", &accesses, Keep::new(context, targets));
+            graph.output(ids.kept);
+        }
         if self.effects.post_filter {
             let accesses = [
                 (ids.fovea, Access::ComputeRead),

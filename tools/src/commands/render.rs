@@ -1,6 +1,8 @@
-//! `macula render`: one picture and what it cost.
+//! `macula render`: one picture, or both eyes' pictures, and what they cost.
 
-use crate::content::{CameraArgs, Source, load_environment, neutral_light, parse_source};
+mod stereo;
+
+use crate::content::{CameraArgs, Source, Subject, load_environment, neutral_light, parse_source};
 use crate::failure::Failure;
 use crate::library;
 use crate::measure::{PassMedian, findings, gpu_times, median, pass_medians};
@@ -12,10 +14,12 @@ use crate::shading::{MethodName, ShadingArgs, without_meaning};
 use clap::{Args, ValueEnum};
 use glam::DVec2;
 use macula::headless::{FrameInput, GpuContent, HeadlessDevice, OffscreenRenderer};
+use macula::scene::environment::Environment;
 use macula::settings::{RenderSettings, ToneMap, View};
 use macula::stats::{Effects, FrameStats, LpStats};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use stereo::StereoArgs;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ViewName {
@@ -47,6 +51,7 @@ enum ToneMapName {
 #[command(after_help = "Examples:\n  \
     macula render hall -o hall.png --gaze 0.3,0.6 --lp-out lp.png\n  \
     macula render scene.glb -o ref.exr --method full --size 2560x1440 --env sky.hdr\n  \
+    macula render hall -o both.png --display psvr2 --stereo rep --fixation-m 2\n  \
     macula render scene.glb -o out.png --eye 0,1.6,4 --look-at 0,1,0 --sigma 1.6 --kernel sin\n  \
     macula render sdf:primitives -o sdf.png --spp 4 --json")]
 pub struct RenderArgs {
@@ -61,6 +66,8 @@ pub struct RenderArgs {
     /// Gaze as fractions of the display, from the left and from the top; off the display is allowed
     #[arg(long, value_name = "X,Y", default_value = "0.5,0.5", value_parser = parse_pair, allow_hyphen_values = true)]
     gaze: DVec2,
+    #[command(flatten, next_help_heading = "Both eyes")]
+    stereo: StereoArgs,
     #[command(flatten)]
     shading: ShadingArgs,
     /// Write the LP-buffer too: a .png or .exr file
@@ -136,15 +143,12 @@ pub fn run(args: &RenderArgs, json: bool) -> Result<(), Failure> {
     for path in [Some(&args.output), args.lp_out.as_ref()].into_iter().flatten() {
         check_folder(path)?;
     }
+    if let Some(mode) = args.stereo.stereo {
+        return stereo::run(args, mode, settings, json);
+    }
     let mut steps = Steps::short(4 + u64::from(args.frames));
     steps.next("loading");
-    let mut warnings = Vec::new();
-    let subject = args.scene.open(&args.hall, args.time.unwrap_or(0.0))?;
-    warnings.extend(subject.scene().map(|scene| scene.warnings.clone()).unwrap_or_default());
-    let environment = match &args.env {
-        Some(path) => Some(load_environment(path, &mut warnings)?),
-        None => neutral_light(&subject, &mut warnings),
-    };
+    let Loaded { subject, environment, warnings } = args.load()?;
     let input = FrameInput {
         world_from_view: args.camera.world_from_view(&subject, &settings.display)?,
         gaze_px: gaze_px(args.gaze, args.display.size_px()),
@@ -171,12 +175,30 @@ pub fn run(args: &RenderArgs, json: bool) -> Result<(), Failure> {
     if json { output::print_json(&report) } else { print_text(args, &report) }
 }
 
+/// What is rendered, in memory.
+struct Loaded {
+    subject: Subject,
+    environment: Option<Environment>,
+    warnings: Vec<String>,
+}
+
 impl RenderArgs {
+    fn load(&self) -> Result<Loaded, Failure> {
+        let mut warnings = Vec::new();
+        let subject = self.scene.open(&self.hall, self.time.unwrap_or(0.0))?;
+        warnings.extend(subject.scene().map(|scene| scene.warnings.clone()).unwrap_or_default());
+        let environment = match &self.env {
+            Some(path) => Some(load_environment(path, &mut warnings)?),
+            None => neutral_light(&subject, &mut warnings),
+        };
+        Ok(Loaded { subject, environment, warnings })
+    }
+
     fn settings(&self) -> Result<RenderSettings, Failure> {
         self.check_combinations()?;
         let display = self.display.geometry();
         display.check()?;
-        let mut settings = RenderSettings::new(display, self.shading.method(&display)?);
+        let mut settings = self.shading.settings(display)?;
         settings.tone_map = match self.tone_map {
             Some(ToneMapName::None) => ToneMap::None,
             Some(ToneMapName::Aces) | None => ToneMap::Aces,
@@ -202,6 +224,7 @@ impl RenderArgs {
     fn check_combinations(&self) -> Result<(), Failure> {
         self.check_method()?;
         self.check_content()?;
+        self.check_stereo()?;
         let exr = is_exr(&self.output)?;
         if let Some(lp_out) = &self.lp_out {
             is_exr(lp_out)?;
@@ -307,11 +330,7 @@ fn report<'a>(
 ) -> Report<'a> {
     let last = frames.last().cloned().unwrap_or_default();
     let validation_messages = device.validation_messages();
-    let validation = match validation_messages {
-        Some(_) => "on",
-        None if args.no_validation => "off: --no-validation was given",
-        None => "off: the validation layer is not installed",
-    };
+    let validation = validation_state(args, device);
     let non_finite = frames.iter().filter_map(|frame| frame.non_finite).max();
     let holes = frames.iter().filter_map(|frame| frame.holes).max();
     warnings.extend(findings(non_finite, holes, validation_messages));
@@ -333,6 +352,14 @@ fn report<'a>(
         validation_messages,
         validation,
         warnings,
+    }
+}
+
+fn validation_state(args: &RenderArgs, device: &HeadlessDevice) -> &'static str {
+    match device.validation_messages() {
+        Some(_) => "on",
+        None if args.no_validation => "off: --no-validation was given",
+        None => "off: the validation layer is not installed",
     }
 }
 
@@ -374,7 +401,7 @@ mod tests {
     use super::*;
     use clap::Parser;
     use macula::fovea::Kernel;
-    use macula::settings::Method;
+    use macula::settings::{LpFilter, Method};
 
     #[derive(Parser)]
     struct Only {
@@ -394,7 +421,7 @@ mod tests {
     fn defaults_are_those_of_the_user_study() {
         let Ok(settings) = settings("hall -o a.png") else { panic!() };
         let Method::Kfr(kfr) = &settings.method else { panic!("{settings:?}") };
-        assert!((kfr.sigma - 1.8).abs() < 1e-12 && kfr.lp_filter && !kfr.post_filter);
+        assert!((kfr.sigma - 1.8).abs() < 1e-12 && kfr.lp_filter == LpFilter::Gaussian && !kfr.post_filter);
         assert_eq!(kfr.kernel, Kernel::Power { alpha: 4.0 });
         assert!(settings.check_finite);
     }
@@ -427,6 +454,12 @@ mod tests {
             "sdf:primitives -o a.png --spp 17",
             "hall -o a.png --up 0,1,0",
             "hall -o a.png --gaze 1",
+            "hall -o a.png --fixation-m 1",
+            "hall -o a.png --stereo dup --fixation-m 0",
+            "hall -o a.png --stereo dup --lp-out b.png",
+            "hall -o a.png --stereo rep --method full",
+            "sdf:primitives -o a.png --stereo rep",
+            "hall -o a.png --stereo dup --display psvr2 --display-eye right",
         ] {
             assert!(matches!(settings(wrong), Err(Failure::Usage(_))), "{wrong}");
         }
@@ -438,6 +471,7 @@ mod tests {
             "hall -o a.exr --method full --exposure 2 --frames 5",
             "hall -o a.png --kernel exp --sigma 4 --gaze -0.5,1.7 --lp-out lp.exr",
             "sdf:primitives -o a.png --spp 16 --eye 0,1,2 --look-at 0,0,0 --up 1,0,0",
+            "hall -o a.exr --stereo rep --display psvr2 --fixation-m 0.5 --size 64x64",
             "hall -o a.PNG --triangles 20000 --lights 3 --seed 9 --view density",
         ] {
             let result = settings(right);

@@ -1,8 +1,11 @@
 //! `macula bench`: what foveation saves, measured in one run beside full shading.
 
+mod flicker;
+mod loaded;
 mod paper;
 mod report;
 mod run;
+mod vafr;
 
 use crate::content::{Source, parse_source};
 use crate::failure::Failure;
@@ -17,6 +20,8 @@ use std::time::Duration;
 #[derive(Subcommand, Debug)]
 pub enum BenchCommand {
     Kfr(Box<KfrBenchArgs>),
+    Vafr(Box<vafr::VafrBenchArgs>),
+    Flicker(Box<flicker::FlickerArgs>),
 }
 
 /// Kernel foveated rendering beside full shading, as in the published tables 4.1 and 4.2
@@ -78,7 +83,11 @@ impl KfrBenchArgs {
 /// # Errors
 /// Options out of range, and what loading and rendering report.
 pub fn run(command: &BenchCommand, json: bool) -> Result<(), Failure> {
-    let BenchCommand::Kfr(args) = command;
+    let args = match command {
+        BenchCommand::Kfr(args) => args,
+        BenchCommand::Vafr(args) => return vafr::run(args, json),
+        BenchCommand::Flicker(args) => return flicker::run(args, json),
+    };
     let results = run::run(args)?;
     for warning in &results.warnings {
         output::note(&format!("warning: {warning}"));

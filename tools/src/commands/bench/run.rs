@@ -1,15 +1,16 @@
 //! Measuring the rows.
 
 use super::KfrBenchArgs;
-use super::paper::{self, PublishedPass, PublishedRate, SceneKind};
-use crate::content::{CameraArgs, Source, Subject, neutral_light};
+use super::loaded::Loaded;
+use super::paper::{self, PublishedPass, PublishedRate};
+use crate::content::Source;
 use crate::failure::Failure;
 use crate::library;
 use crate::measure::{PassMedian, Speedup, gpu_times, measure_pairs, median, pass_medians, speedup, time_of};
-use crate::options::{HallArgs, gaze_px};
+use crate::options::HallArgs;
 use crate::progress::Steps;
 use macula::fovea::DisplayGeometry;
-use macula::headless::{FrameInput, GpuContent, HeadlessDevice, OffscreenRenderer};
+use macula::headless::OffscreenRenderer;
 use macula::settings::{KfrSettings, Method, RenderSettings};
 use macula::stats::FrameStats;
 use serde::Serialize;
@@ -116,42 +117,11 @@ pub struct PostFilterRow {
     pub share: f64,
 }
 
-/// A scene in GPU memory with the view that is measured.
-struct Loaded<'a> {
-    device: &'a HeadlessDevice,
-    content: GpuContent,
-    subject: Subject,
-    name: String,
-}
-
 impl Loaded<'_> {
-    fn open<'a>(
-        device: &'a HeadlessDevice,
-        source: &Source,
-        lights: u32,
-        triangles: u32,
-        warnings: &mut Vec<String>,
-    ) -> Result<Loaded<'a>, Failure> {
-        let hall = HallArgs { triangles: Some(triangles), lights: Some(lights), ..HallArgs::default() };
-        let subject = source.open(&hall, 0.0)?;
-        let mut noticed = subject.scene().map(|scene| scene.warnings.clone()).unwrap_or_default();
-        let environment = neutral_light(&subject, &mut noticed);
-        let content = GpuContent::upload(device, &subject.content(environment.as_ref()))?;
-        warnings.extend(noticed.into_iter().map(|warning| format!("{}: {warning}", source.name())));
-        Ok(Loaded { device, content, subject, name: source.name() })
-    }
-
-    fn kind(&self) -> SceneKind {
-        match self.subject {
-            Subject::Scene(_) => SceneKind::Triangles,
-            Subject::Sdf => SceneKind::RayMarched,
-        }
-    }
-
     /// Medians over alternating pairs after one warm-up of each. The renderers, which hold most of the
     /// GPU memory, live only as long as the row takes.
     fn measure(&self, args: &KfrBenchArgs, size: [u32; 2], steps: &Steps) -> Result<Row, Failure> {
-        let input = self.input(args, size)?;
+        let input = self.input(&DisplayGeometry::symmetric(size, args.hfov_deg), args.gaze)?;
         let full_settings = settings(args, size, Method::Full);
         let mut full = OffscreenRenderer::new(self.device, &self.content, &full_settings)?;
         let kfr_settings = settings(args, size, Method::Kfr(kfr(args, false)?));
@@ -170,7 +140,7 @@ impl Loaded<'_> {
     }
 
     fn measure_post_filter(&self, args: &KfrBenchArgs, row: &Row) -> Result<PostFilterRow, Failure> {
-        let input = self.input(args, row.size)?;
+        let input = self.input(&DisplayGeometry::symmetric(row.size, args.hfov_deg), args.gaze)?;
         let settings = settings(args, row.size, Method::Kfr(kfr(args, true)?));
         let mut renderer = OffscreenRenderer::new(self.device, &self.content, &settings)?;
         renderer.render(&input)?;
@@ -188,12 +158,6 @@ impl Loaded<'_> {
             post_filter_ms: filter_ms,
             share: filter_ms / row.full_ms,
         })
-    }
-
-    fn input(&self, args: &KfrBenchArgs, size: [u32; 2]) -> Result<FrameInput, Failure> {
-        let display = DisplayGeometry::symmetric(size, args.hfov_deg);
-        let world_from_view = CameraArgs::default().world_from_view(&self.subject, &display)?;
-        Ok(FrameInput { world_from_view, gaze_px: gaze_px(args.gaze, size) })
     }
 }
 
@@ -230,7 +194,8 @@ fn no_times() -> Failure {
 }
 
 fn kfr(args: &KfrBenchArgs, post_filter: bool) -> Result<KfrSettings, Failure> {
-    Ok(KfrSettings { sigma: args.sigma, kernel: args.kernel.kernel()?, lp_filter: true, post_filter })
+    let kernel = args.kernel.kernel()?;
+    Ok(KfrSettings { sigma: args.sigma, kernel, post_filter, ..KfrSettings::default() })
 }
 
 fn settings(args: &KfrBenchArgs, size: [u32; 2], method: Method) -> RenderSettings {

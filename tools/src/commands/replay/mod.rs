@@ -215,7 +215,7 @@ impl ReplayArgs {
         }
         let display = self.display.geometry();
         display.check()?;
-        let mut settings = RenderSettings::new(display, self.shading.method(&display)?);
+        let mut settings = self.shading.settings(display)?;
         settings.check_finite = true;
         settings.check()?;
         Ok(settings)
