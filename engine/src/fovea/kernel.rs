@@ -200,13 +200,16 @@ fn piece_falls<const N: usize>(bernstein: &[f64; N], tolerance: f64, cuts_left: 
 }
 
 /// The root of `K(x) = y` for a rising polynomial and `0 < y < 1`: Newton's method inside a bracket
-/// that shrinks with every step, and bisection where Newton's step leaves it.
+/// that shrinks with every step, and bisection where Newton's step leaves it or hardly gets on.
 fn solve_polynomial(beta: &[f64; MAX_COEFFICIENTS], y: f64) -> f64 {
     let slope = slope_coefficients(beta);
-    let (mut low, mut high) = (0.0_f64, 1.0_f64);
-    let mut x = y;
-    // Newton doubles the digits in each step and bisection adds one bit: 120 is out of reach.
-    for _ in 0..120 {
+    // No slope within 0..=1 is greater than the sum.
+    let steepest: f64 = slope.iter().map(|coefficient| coefficient.abs()).sum();
+    let (mut low, mut high) = (y / steepest, 1.0_f64);
+    let (mut x, mut last_step) = (y, 1.0_f64);
+    // Newton doubles the digits in each step. Where the first powers are missing it approaches a small
+    // root by a constant factor only; halving the bracket's ratio takes 60 steps from any root.
+    for _ in 0..200 {
         let miss = horner(beta, x) - y;
         if miss == 0.0 {
             return x;
@@ -217,9 +220,12 @@ fn solve_polynomial(beta: &[f64; MAX_COEFFICIENTS], y: f64) -> f64 {
             high = x;
         }
         let newton = x - miss / horner(&slope, x);
-        // A slope of 0 makes this infinite or NaN, which the comparison sorts out.
-        let next = if newton > low && newton < high { newton } else { f64::midpoint(low, high) };
-        if (next - x).abs() <= f64::EPSILON * x {
+        // A slope of 0 makes this infinite or NaN, which the comparisons sort out.
+        let quick = newton > low && newton < high && (newton - x).abs() < 0.5 * last_step;
+        let next = if quick { newton } else { (low * high).sqrt() };
+        last_step = (next - x).abs();
+        // What the rounding of eight terms may move the root by.
+        if last_step <= 8.0 * f64::EPSILON * x {
             return next;
         }
         x = next;

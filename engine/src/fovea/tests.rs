@@ -10,11 +10,13 @@ const POLYNOMIAL: Kernel = Kernel::Polynomial { beta: [0.0, 0.25, 0.25, 0.5, 0.0
 fn kernels() -> Vec<Kernel> {
     let mut kernels: Vec<_> = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0].map(|alpha| Kernel::Power { alpha }).into();
     let made = |beta: &[f64]| Kernel::polynomial(beta).expect("a valid kernel");
-    // The second one is flat at both ends, the third has all eight coefficients.
+    // The second one is flat at both ends, the third has all coefficients.
     kernels.extend([
         POLYNOMIAL,
         made(&[0.0, 0.0, 3.0, -2.0]),
         made(&[0.0, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.4]),
+        // Without low powers: Newton's method alone is slow at 0.
+        made(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.25, 0.75]),
         Kernel::Sine,
         Kernel::Exponential,
     ]);

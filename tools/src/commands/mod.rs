@@ -6,6 +6,7 @@ pub mod demo;
 pub mod displays;
 pub mod doctor;
 pub mod gaze;
+pub mod hardcases;
 pub mod info;
 pub mod map;
 pub mod render;

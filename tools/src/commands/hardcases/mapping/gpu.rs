@@ -1,0 +1,196 @@
+//! The mapping on the GPU, in single precision, against the CPU's in double precision.
+
+use super::super::bench::Bench;
+use super::super::family::{Case, Family, Finding, Part, Place};
+use super::super::random::Random;
+use super::super::subject::{Gaze, Screen, Subject, gazes, methods, on_display, screens};
+use super::points::{extent_at_px, pixel_centres};
+use super::{at_px, share_between};
+use crate::failure::Failure;
+use glam::DVec2;
+use macula::fovea::{LpPoint, MAX_GAZE_PX, Mapping};
+use macula::headless::{GpuMapping, HeadlessDevice, map_points_on_gpu};
+use macula::settings::{Method, RenderSettings};
+
+/// Texels. KFR's fast function is off by 2e-3 texels at 7680x4320 and in proportion to the LP-buffer's size,
+/// the tables of the others by 3e-4 columns; azimuths are good to 1e-7 of a turn, of up to 6480 texels.
+/// Interpolating, a hundredth of a texel moves the picture by a hundredth of the finest detail that it has.
+const FORWARD_TEXELS: f64 = 5e-3;
+
+/// Of a texel, and of a pixel where those are larger. Display positions beyond 8192 px lie 1e-3 px apart in
+/// single precision; a sample half of that off its place takes the same pixel.
+const INVERSE: f64 = 5e-3;
+
+/// What is asked for up to 11520x6480 wherever the LP-buffer has at least a sample per pixel, px.
+const ROUND_TRIP_PX: f64 = 1e-3;
+
+/// What the function with pairs of floats promises, px.
+const PAIRS_PX: f64 = 1e-4;
+
+pub fn families() -> Vec<Family> {
+    let family = |name, what, bound, unit, cases| Family {
+        name,
+        what,
+        part: Part::Mapping,
+        place: Place::Gpu,
+        bound,
+        unit,
+        cases,
+    };
+    vec![
+        family(
+            "gpu-forward",
+            "the GPU maps pixels to the LP-buffer as the CPU does",
+            FORWARD_TEXELS,
+            "texels",
+            || cases(|_| true, forward),
+        ),
+        family(
+            "gpu-inverse",
+            "the GPU maps texels to the display as the CPU does",
+            INVERSE,
+            "px, texels where larger",
+            || cases(|_| true, inverse),
+        ),
+        family(
+            "gpu-round-trip",
+            "forward and back on the GPU leads to the same place where there is a sample per pixel",
+            ROUND_TRIP_PX,
+            "px",
+            || cases(|_| true, round_trip),
+        ),
+        family(
+            "gpu-pairs",
+            "KFR's mapping in pairs of floats keeps what single precision loses",
+            PAIRS_PX,
+            "px, texels where larger",
+            || cases(|subject| matches!(subject.method, Method::Kfr(_)), pairs),
+        ),
+    ]
+}
+
+/// A method on a display with one of its gazes, on both sides.
+struct Twins<'a> {
+    mapping: &'a dyn Mapping,
+    gpu: &'a mut GpuMapping,
+    device: &'a HeadlessDevice,
+    subject: &'a Subject,
+    gaze: Gaze,
+    /// Pixel centres.
+    points: Vec<DVec2>,
+}
+
+impl Twins<'_> {
+    /// LP points of all pixels that the LP-buffer is read for; `None` for those that are shaded themselves.
+    fn forward(&mut self) -> Result<Vec<Option<LpPoint>>, Failure> {
+        let mapped = self.gpu.forward(self.gaze.px, &self.points)?;
+        Ok(mapped.into_iter().map(|mapped| (mapped.past_native > 0.0).then_some(mapped.point)).collect())
+    }
+
+    fn at(&self, px: DVec2) -> String {
+        format!("{} (gaze {})", at_px(px), self.gaze.name)
+    }
+}
+
+type Check = fn(&mut Twins, &mut Finding) -> Result<(), Failure>;
+
+fn cases(wanted: fn(&Subject) -> bool, check: Check) -> Vec<Case> {
+    let mut cases = Vec::new();
+    for subject in methods().into_iter().filter(wanted) {
+        for screen in screens() {
+            let id = format!("{}/{}", subject.name, screen.name);
+            let quick = subject.quick && screen.quick;
+            let subject = subject.clone();
+            cases.push(Case::new(id, quick, move |bench| run(bench, &subject, &screen, check)));
+        }
+    }
+    cases
+}
+
+/// Gazes that are not moved before they are used; the others are covered by those they are moved to.
+fn plain_gazes(screen: &Screen) -> Vec<Gaze> {
+    let all = gazes(&screen.display).into_iter();
+    all.filter(|gaze| gaze.px.is_finite() && gaze.px.abs().max_element() < MAX_GAZE_PX / 2.0).collect()
+}
+
+fn run(bench: &Bench, subject: &Subject, screen: &Screen, check: Check) -> Result<Finding, Failure> {
+    let mut finding = Finding::default();
+    let device = bench.device()?;
+    let settings = RenderSettings::new(screen.display, subject.method.clone());
+    let mut gpu = GpuMapping::new(device, &settings)?;
+    for gaze in plain_gazes(screen) {
+        let mapping = subject.mapping(&screen.display, gaze.px)?;
+        let points = pixel_centres(&screen.display, mapping.gaze_px(), &mut Random::of(gaze.name));
+        let mut twins = Twins { mapping: &*mapping, gpu: &mut gpu, device, subject, gaze, points };
+        check(&mut twins, &mut finding)?;
+    }
+    Ok(finding)
+}
+
+fn forward(twins: &mut Twins, finding: &mut Finding) -> Result<(), Failure> {
+    for (index, found) in twins.forward()?.into_iter().enumerate() {
+        let px = twins.points[index];
+        let Some((found, expected)) = found.zip(twins.mapping.forward(px)) else { continue };
+        let share = share_between(expected.v_share, found.v_share, true);
+        let along = share * twins.mapping.column_height(expected.u);
+        finding.error((found.u - expected.u).hypot(along), || twins.at(px));
+    }
+    Ok(())
+}
+
+/// Centres of the texels that hold the pixels.
+fn inverse(twins: &mut Twins, finding: &mut Finding) -> Result<(), Failure> {
+    let heights = twins.mapping.columns().heights();
+    let centre = |px: &DVec2| {
+        let point = twins.mapping.forward(*px)?;
+        let column = (point.u as usize).min(heights.len() - 1);
+        let rows = f64::from(heights[column]);
+        let v_share = ((point.v_share * rows).floor().min(rows - 1.0) + 0.5) / rows;
+        Some(LpPoint { u: column as f64 + 0.5, v_share })
+    };
+    let texels: Vec<_> = twins.points.iter().filter_map(centre).collect();
+    let mapped = twins.gpu.inverse(twins.gaze.px, &texels)?;
+    for (texel, found) in texels.iter().zip(mapped) {
+        let Some(expected) = twins.mapping.inverse(*texel) else { continue };
+        let Some(extent_px) = extent_at_px(twins.mapping, expected) else { continue };
+        // Off the display there is nothing to fetch.
+        if on_display(twins.mapping.display(), expected) {
+            finding.error(found.distance(expected) / extent_px.max(1.0), || {
+                format!("texel {}, share {} (gaze {})", texel.u, texel.v_share, twins.gaze.name)
+            });
+        }
+    }
+    Ok(())
+}
+
+fn round_trip(twins: &mut Twins, finding: &mut Finding) -> Result<(), Failure> {
+    let fine = |px: DVec2| extent_at_px(twins.mapping, px).is_some_and(|extent_px| extent_px <= 1.0);
+    twins.points.retain(|px| fine(*px));
+    let mapped = twins.forward()?;
+    let (mut starts, mut points) = (Vec::new(), Vec::new());
+    for (px, point) in twins.points.iter().zip(mapped) {
+        if let Some(point) = point {
+            starts.push(*px);
+            points.push(point);
+        }
+    }
+    let back = twins.gpu.inverse(twins.gaze.px, &points)?;
+    for (px, back) in starts.into_iter().zip(back) {
+        finding.error(back.distance(px), || twins.at(px));
+    }
+    Ok(())
+}
+
+fn pairs(twins: &mut Twins, finding: &mut Finding) -> Result<(), Failure> {
+    let Method::Kfr(kfr) = &twins.subject.method else { return Ok(()) };
+    let display = twins.mapping.display();
+    let mapped = map_points_on_gpu(twins.device, display, twins.gaze.px, &kfr.kernel, &twins.points)?;
+    let columns = twins.mapping.columns().heights().len() as f64;
+    for (&px, found) in twins.points.iter().zip(mapped) {
+        let point = LpPoint { u: found.u_norm * columns, v_share: found.v_norm };
+        let Some(extent_px) = extent_at_px(twins.mapping, px) else { continue };
+        let back = twins.mapping.inverse(point).map_or(f64::INFINITY, |back| back.distance(px));
+        finding.error(back / extent_px.max(1.0), || twins.at(px));
+    }
+    Ok(())
+}
