@@ -102,7 +102,8 @@ void main() {
                 imageStore(lp, ivec2(texel), vec4(0.0));
             }
 #ifdef LP_REUSE
-            reused = needed && texel_reused(texel, reach);
+            // Texels beyond the display's edge have no pixel of their own to look up.
+            reused = needed && on_display && texel_reused(texel, reach);
 #endif
         }
     } else {
