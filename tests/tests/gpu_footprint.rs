@@ -125,14 +125,16 @@ fn balls() -> Scene {
     let dark = macula::scene::Material { base_color: Vec4::new(0.02, 0.02, 0.02, 1.0), ..white(0.0, 0.9) };
     let mut scene = one(quad(3.0, 3.0), at(0.0, 0.0, -2.2), dark);
     let placed = |x: f64, y: f64| at(x, y, -2.0) * DMat4::from_scale(DVec3::splat(0.1));
-    add(&mut scene, ball(), placed(0.0, 0.0), white(1.0, 0.2));
+    add(&mut scene, ball(), placed(0.0, 0.0), white(1.0, 0.3));
     let instance = scene.instances[1].clone();
     for index in 0..9 * 7 {
         let (column, row) = (f64::from(index % 9) - 4.0, f64::from(index / 9) - 3.0);
         let world_from_mesh = placed(0.27 * column, 0.23 * row);
         scene.instances.push(macula::scene::Instance { world_from_mesh, ..instance.clone() });
     }
-    scene.lights.push(sun(3.0, DVec3::new(0.4, -0.5, -1.0)));
+    // Highlights a pixel or two wide, which the display need not clip: of a clipped one the display shows
+    // the more the wider it is, in whatever way it was averaged.
+    scene.lights.push(sun(0.15, DVec3::new(0.4, -0.5, -1.0)));
     scene
 }
 
@@ -326,14 +328,15 @@ fn highlights_do_not_flicker_more_than_in_full_shading() {
                 temporal::ratio(&rings, &full).unwrap()
             });
             for ((with, without), ring) in with.iter().zip(&without).zip(&full) {
-                // In so few pixels a single highlight decides.
-                if ring.pixels < 300 {
+                // In few pixels a single highlight decides; changes of a quarter of an 8-bit step are none.
+                if ring.pixels < 300 || ring.variance.unwrap() < 1e-6 {
                     continue;
                 }
                 let (a, b) = (with.variance.unwrap(), without.variance.unwrap());
                 println!(
-                    "{what}, {name}, from {}: {a:.3} of full shading's variance, {b:.3} without",
-                    with.from_deg
+                    "{what}, {name}, from {}: {a:.3} of full shading's variance {:.1e}, {b:.3} without",
+                    with.from_deg,
+                    ring.variance.unwrap()
                 );
                 assert!(a <= 1.1, "{what}, {name}, from {} degrees: {a}", with.from_deg);
                 // Where samples are larger than pixels at all.
