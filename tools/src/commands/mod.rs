@@ -8,6 +8,7 @@ pub mod doctor;
 pub mod gaze;
 pub mod info;
 pub mod map;
+pub mod rates;
 pub mod render;
 pub mod replay;
 pub mod scene;
