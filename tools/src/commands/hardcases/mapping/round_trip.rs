@@ -87,13 +87,11 @@ fn texels(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     for column in columns.into_iter().filter(|column| *column < count) {
         let rows = heights[column as usize];
         for row in [0, rows / 2, rows - 1, random.below(rows), random.below(rows)] {
-            let texel = LpPoint {
-                u: f64::from(column) + 0.5,
-                v_share: (f64::from(row) + 0.5) / f64::from(rows),
-            };
+            let texel =
+                LpPoint { u: f64::from(column) + 0.5, v_share: (f64::from(row) + 0.5) / f64::from(rows) };
             let Some(px) = mapping.inverse(texel) else { continue };
-            let near = px.cmpge(-REACH_DISPLAYS * size_px).all()
-                && px.cmple((1.0 + REACH_DISPLAYS) * size_px).all();
+            let near =
+                px.cmpge(-REACH_DISPLAYS * size_px).all() && px.cmple((1.0 + REACH_DISPLAYS) * size_px).all();
             // Where the mapping clamps there is no way back.
             let bounded = mapping.jacobian(px).as_ref().and_then(texel_extent_px).is_some();
             let Some(back) = mapping.forward(px).filter(|_| near && bounded) else { continue };

@@ -92,7 +92,8 @@ fn finite(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
 /// From every kind of column and row, also outside the LP-buffer.
 fn finite_columns(mapping: &dyn Mapping, finding: &mut Finding) {
     let columns = mapping.columns().heights().len() as f64;
-    for u in [-1e12, -1.0, 0.0, 5e-324, 0.5, 1.0, columns / 2.0, columns.next_down(), columns, columns + 1e9] {
+    for u in [-1e12, -1.0, 0.0, 5e-324, 0.5, 1.0, columns / 2.0, columns.next_down(), columns, columns + 1e9]
+    {
         let height = mapping.column_height(u);
         finding.finite(height, || format!("the height at column {u}"));
         finding.holds(height >= 0.0, || format!("the height at column {u} is {height}"));
@@ -195,7 +196,9 @@ fn seam(subject: &Subject, screen: &Screen) -> Result<Finding, Failure> {
     let mut finding = Finding::default();
     let [width, height] = screen.display.size_px.map(f64::from);
     // In the first row the offsets from the seam can be as small as doubles are.
-    for gaze_px in [DVec2::new(width / 3.0, 0.0), DVec2::new(0.0, height / 2.0), DVec2::new(-5.0, 0.25 * height)] {
+    for gaze_px in
+        [DVec2::new(width / 3.0, 0.0), DVec2::new(0.0, height / 2.0), DVec2::new(-5.0, 0.25 * height)]
+    {
         let mapping = subject.mapping(&screen.display, gaze_px)?;
         for share in [0.01, 0.1, 0.5, 1.0] {
             let px = gaze_px + DVec2::X * (share * (width - gaze_px.x)).max(4.0);

@@ -36,13 +36,9 @@ pub fn families() -> Vec<Family> {
         cases,
     };
     vec![
-        family(
-            "ramp",
-            "a linear ramp comes back as a ramp",
-            RAMP,
-            "of the allowance",
-            || cases(|_| true, ramps),
-        ),
+        family("ramp", "a linear ramp comes back as a ramp", RAMP, "of the allowance", || {
+            cases(|_| true, ramps)
+        }),
         family(
             "seam-gradient",
             "the gradient of a smooth picture shows no seam to the right of the gaze",
@@ -50,13 +46,9 @@ pub fn families() -> Vec<Family> {
             "px",
             || cases(|subject| subject.layout() == Layout::Polar, seams),
         ),
-        family(
-            "ring",
-            "no step where native pixels and the LP-buffer meet",
-            RING_PX,
-            "px",
-            || cases(|_| true, rings),
-        ),
+        family("ring", "no step where native pixels and the LP-buffer meet", RING_PX, "px", || {
+            cases(|_| true, rings)
+        }),
     ]
 }
 
@@ -140,7 +132,12 @@ fn cases(wanted: fn(&Subject) -> bool, check: Check) -> Vec<Case> {
     cases
 }
 
-fn run(bench: &Bench, subject: &Subject, display: &DisplayGeometry, check: Check) -> Result<Finding, Failure> {
+fn run(
+    bench: &Bench,
+    subject: &Subject,
+    display: &DisplayGeometry,
+    check: Check,
+) -> Result<Finding, Failure> {
     let mut finding = Finding::default();
     let content = upload(bench, &ramp(display), None)?;
     let mut renderer = renderer(bench, &content, display, &subject.method)?;

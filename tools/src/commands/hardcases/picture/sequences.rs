@@ -19,7 +19,10 @@ use macula::settings::Method;
 pub const VACUOUS: [(&str, &str); 3] = [
     ("history after jumps, cuts and disocclusion", "no pass reads what an earlier frame left"),
     ("a NaN in the history", "there is no history"),
-    ("jitter sequences and 2^24 frames", "nothing is jittered, and frame numbers only choose one of two slots"),
+    (
+        "jitter sequences and 2^24 frames",
+        "nothing is jittered, and frame numbers only choose one of two slots",
+    ),
 ];
 
 const SIZE: [u32; 2] = [128, 72];
@@ -43,15 +46,21 @@ pub fn families() -> Vec<Family> {
         family("gaze-jump", "after a jump of the gaze the frame is that of the new gaze alone", || {
             cases(true, jumps)
         }),
-        family("no-gaze", "a gaze that is none keeps the last one, or the centre at first, and says so", || {
-            cases(true, no_gaze)
-        }),
+        family(
+            "no-gaze",
+            "a gaze that is none keeps the last one, or the centre at first, and says so",
+            || cases(true, no_gaze),
+        ),
         family("run-to-run", "another run gives the same picture, bit for bit", || cases(false, again)),
         family("dropped-frame", "a frame that is recorded and not submitted changes no other", || {
             cases(false, dropped)
         }),
-        family("late-latch", "a gaze latched late gives the picture of a gaze recorded", || cases(true, latched)),
-        family("history", "no pass keeps anything from frame to frame", || vec![Case::new("none", true, history)]),
+        family("late-latch", "a gaze latched late gives the picture of a gaze recorded", || {
+            cases(true, latched)
+        }),
+        family("history", "no pass keeps anything from frame to frame", || {
+            vec![Case::new("none", true, history)]
+        }),
     ]
 }
 
@@ -180,7 +189,9 @@ fn dropped(sequence: &mut Sequence, finding: &mut Finding) -> Result<(), Failure
 }
 
 fn latched(sequence: &mut Sequence, finding: &mut Finding) -> Result<(), Failure> {
-    for (recorded, late) in [(HERE, THERE), (THERE, HERE), (HERE, OFF), (DVec2::NAN, HERE), (HERE, DVec2::NAN)] {
+    for (recorded, late) in
+        [(HERE, THERE), (THERE, HERE), (HERE, OFF), (DVec2::NAN, HERE), (HERE, DVec2::NAN)]
+    {
         let in_use = if late.is_finite() { late } else { recorded };
         let expected = sequence.alone(in_use)?;
         let slot = sequence.renderer.record(&looking_ahead(recorded))?;
