@@ -79,12 +79,12 @@ fn the_gpu_counts_what_the_cpu_counts() {
     let [cpu, gpu] = [&arguments[..], &[&arguments[..], &["--gpu"]].concat()]
         .map(|arguments| json(&run(arguments), "rates"));
     assert_eq!((&cpu["counted_on"], &gpu["counted_on"]), (&"CPU".into(), &"GPU".into()));
-    for (curve, share) in gpu["curves"].as_array().expect("curves").iter().zip([0.97, 0.5, 0.5]) {
+    for curve in gpu["curves"].as_array().expect("curves") {
         let [totals, frame] = [&curve["totals"], &curve["totals"]["frame"]];
-        assert!(number(frame, "share_on_display") > share, "{frame}");
-        // A frame shades what is of use, and at the display's border what is needed to interpolate.
+        assert!((0.5..=1.0).contains(&number(frame, "share_on_display")), "{frame}");
+        // A frame shades what is of use, and some texels more that are needed to interpolate.
         let over = number(frame, "samples") / number(totals, "samples");
-        assert!((1.0..1.1).contains(&over), "{totals}");
+        assert!((1.0..1.3).contains(&over), "{totals}");
     }
     for at in 0..3 {
         for ecc_deg in [8.0, 20.0, 40.0] {

@@ -58,9 +58,8 @@ pub fn svg(results: &Results, scale: Scale) -> String {
     let axes = Axes::new(&results.curves, scale);
     let legend = legend(results, panels.first().copied().unwrap_or_default());
     let width = PANEL[0] * columns as f64;
-    let legend_columns = (2 * columns).min(legend.curves.len().max(1));
     let legend_top = PANEL[1] * rows as f64 + 8.0;
-    let legend_lines = legend.curves.len().div_ceil(legend_columns) + legend.common.len();
+    let legend_lines = legend.curves.len().div_ceil(columns) + legend.common.len();
     let height = legend_top + LEGEND_LINE * legend_lines as f64 + 8.0;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
@@ -79,12 +78,12 @@ pub fn svg(results: &Results, scale: Scale) -> String {
         _ = writeln!(svg, "<g transform=\"translate({x} {y})\">\n{}</g>", panel(curves, &axes));
     }
     let mut entry = |column: usize, line: usize, text: &str| {
-        let x = MARGIN[0] + PANEL[0] / 2.0 * column as f64;
+        let x = MARGIN[0] + PANEL[0] * column as f64;
         let y = legend_top + LEGEND_LINE * line as f64;
         _ = writeln!(svg, "<g transform=\"translate({x} {y})\">{text}</g>");
     };
     for (at, text) in legend.curves.iter().enumerate() {
-        entry(at % legend_columns, at / legend_columns, text);
+        entry(at % columns, at / columns, text);
     }
     for (at, text) in legend.common.iter().enumerate() {
         entry(0, legend_lines - legend.common.len() + at, text);
@@ -327,6 +326,7 @@ fn legend(results: &Results, curves: &[Curve]) -> Legend {
         )
     };
     let acuity = escaped(&results.acuity);
+    let soft = |text: &str| format!("<text class=\"soft\" x=\"0\" y=\"12\">{text}</text>");
     Legend {
         curves: (0..MOST_CURVES).cycle().zip(curves).map(entry).collect(),
         common: vec![
@@ -335,11 +335,8 @@ fn legend(results: &Results, curves: &[Curve]) -> Legend {
             ),
             "<path class=\"limit\" d=\"M0 8h28\"/><text x=\"36\" y=\"12\">half the display's pixels per degree</text>"
                 .into(),
-            format!(
-                "<text class=\"soft\" x=\"0\" y=\"12\">Solid: radial. Dashed: tangential. Area: least to greatest \
-                 about the gaze. Dots: counted ({}).</text>",
-                results.counted_on
-            ),
+            soft("Solid: radial. Dashed: tangential."),
+            soft(&format!("Area: least to greatest about the gaze. Dots: counted ({}).", results.counted_on)),
         ],
     }
 }
