@@ -225,7 +225,7 @@ fn solve_polynomial(beta: &[f64; MAX_COEFFICIENTS], y: f64) -> f64 {
         let next = if quick { newton } else { (low * high).sqrt() };
         last_step = (next - x).abs();
         // What the rounding of eight terms may move the root by.
-        if last_step <= 8.0 * f64::EPSILON * x {
+        if last_step <= 4.0 * f64::EPSILON * x {
             return next;
         }
         x = next;
