@@ -64,7 +64,7 @@ fn kfr(name: &'static str, sigma: f64, kernel: Kernel) -> Subject {
 }
 
 fn vafr(name: &'static str, form: VafrForm, acuity: AcuityModel) -> Subject {
-    Subject::new(name, Method::Vafr(VafrSettings { form, acuity }))
+    Subject::new(name, Method::Vafr(VafrSettings { form, acuity, ..VafrSettings::default() }))
 }
 
 /// A polynomial that rises in two waves, with coefficients of both signs; its slope at 1/2 is 0.
