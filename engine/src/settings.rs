@@ -176,7 +176,9 @@ pub struct RenderSettings {
     /// Samples per pixel or LP texel of a ray-marched scene, 1 to 16.
     pub samples_per_pixel: u32,
     /// Shade over a sample's whole footprint where that is larger than a pixel: maps by its size,
-    /// surfaces from several pixels, roughness widened by the variance of its normals. Of no meaning for
+    /// surfaces from several pixels, roughness widened by the variance of its normals. Averages are of
+    /// light: a highlight so bright that the display clips it even when it is spread shows larger, and so
+    /// changes more, than in full shading. A texel across a silhouette shows one side of it. Of no meaning for
     /// full shading, whose samples are pixels, and for the ray-marched scene, which does it always.
     pub footprint: bool,
     /// Run every effect, also those that the scene does not call for.

@@ -106,7 +106,8 @@ void main() {
                 store_unlisted(texel, vec4(0.0));
             }
 #ifdef LP_REUSE
-            reused = needed && texel_reused(texel, reach);
+            // Texels beyond the display's edge have no pixel of their own to look up.
+            reused = needed && on_display && texel_reused(texel, reach);
 #endif
         }
     } else {

@@ -27,28 +27,34 @@ float left_depth_at(ivec2 px) {
     return texelFetch(left_depth, clamp(px, ivec2(0), ivec2(left_frame.size) - 1), 0).r;
 }
 
-// The left eye's picture is its pixels themselves here, and not interpolated from its LP-buffer. The
-// forward table is the same for both eyes: one method, and displays that are mirror images.
-bool native_in_left_eye(vec2 px) {
+// The left eye's picture is its pixels themselves here, and not interpolated from its LP-buffer: in all
+// four pixels from `px` on, if in the one farthest from the gaze. The forward table is the same for both
+// eyes: one method, and displays that are mirror images.
+bool native_in_left_eye(ivec2 px) {
     fovea = left_fovea;
+    vec2 first = vec2(px) + 0.5;
+    vec2 farthest = first + vec2(greaterThan(first + 0.5, fovea.gaze_px.xy));
     LpLookup unused;
-    bool result = mapping_forward(px, unused) <= 0.0;
+    bool result = mapping_forward(farthest, unused) <= 0.0;
     fovea = own_fovea;
     return result;
 }
 
 // No other surface begins as near as a texel: the picture, interpolated from texels, holds this surface
 // only. Reversed depth is linear across the display on a plane, so that its values to both sides of the
-// centre average to the centre's at any slope; they do not across an edge.
+// centre average to the centre's at any slope; they do not across an edge. Two rings of places: the outer
+// one finds what begins before the farthest texel, the inner one what is thinner than a texel.
 bool plane_around(ivec2 px, float reach_px, float depth) {
-    int along = int(ceil(0.71 * reach_px));
-    int diagonal = int(ceil(0.5 * reach_px));
-    ivec2 offsets[4] = ivec2[](
-        ivec2(along, 0), ivec2(0, along), ivec2(diagonal, diagonal), ivec2(diagonal, -diagonal));
-    for (int i = 0; i < 4; ++i) {
-        float sum = left_depth_at(px + offsets[i]) + left_depth_at(px - offsets[i]);
-        if (abs(sum - 2.0 * depth) > 2.0 * reuse.depth_tolerance * depth) {
-            return false;
+    for (float radius_px = reach_px; radius_px > 0.4 * reach_px; radius_px *= 0.5) {
+        int along = int(ceil(radius_px));
+        int diagonal = int(ceil(0.7071 * radius_px));
+        ivec2 offsets[4] = ivec2[](
+            ivec2(along, 0), ivec2(0, along), ivec2(diagonal, diagonal), ivec2(diagonal, -diagonal));
+        for (int i = 0; i < 4; ++i) {
+            float sum = left_depth_at(px + offsets[i]) + left_depth_at(px - offsets[i]);
+            if (abs(sum - 2.0 * depth) > 2.0 * reuse.depth_tolerance * depth) {
+                return false;
+            }
         }
     }
     return true;
@@ -99,10 +105,9 @@ bool radiance_of_left_eye(ivec2 px, float reach_px, out vec3 radiance) {
     if (dot(normal, surface.normal) < reuse.least_normal_cosine) {
         return false;
     }
-    if (!native_in_left_eye(at)) {
-        if (reach_px == NATIVE_ONLY || !plane_around(nearest, reach_px, left_depth_at(nearest))) {
-            return false;
-        }
+    bool reads_texels = !native_in_left_eye(p);
+    if (reads_texels && (reach_px == NATIVE_ONLY || !plane_around(nearest, reach_px, left_depth_at(nearest)))) {
+        return false;
     }
     radiance = mix4(
         texelFetch(left_radiance, p, 0),

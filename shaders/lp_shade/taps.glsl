@@ -20,6 +20,11 @@ const float SMALL_TEXEL_PX = 4.0;
 // lets normals run over silhouettes, less drops the taps of small round things.
 const float PLANE_WIDTHS = 1.0;
 
+// The most that the taps' normals add to the squared alpha: the clamp of Tokuyoshi and Kaplanyan (2019),
+// which keeps silhouettes dark. There normals turn fast, but in one direction only, for which a round lobe
+// is too wide. More flickers less on small round things and brightens their rims.
+const float MOST_ALPHA2 = 0.18;
+
 bool same_surface(PixelSurface centre, PixelSurface tap, float width_m) {
     return tap.depth > 0.0 && tap.surface.unlit == centre.surface.unlit
         && dot(tap.surface.normal, centre.surface.normal) > 0.0
@@ -76,9 +81,11 @@ void gather_taps(uvec2 texel, inout PixelSurface centre) {
     centre.surface.occlusion = sum.occlusion / count;
     centre.surface.metallic = sum.metallic / count;
     off /= count;
-    // Of unit normals: 1 less the squared length of their mean, without the bias of few samples.
-    float lost = max(off2 / count - dot(off, off), 0.0) * (count / (count - 1.0));
-    centre.surface.roughness = widened(sqrt(sqrt(alpha2 / count)), alpha2_of_normals(lost));
+    // Of unit normals: 1 less the squared length of their mean. The taps are spread evenly, so that for
+    // normals that change evenly over the texel this is right as it is.
+    float lost = max(off2 / count - dot(off, off), 0.0);
+    float grown = min(alpha2_of_normals(lost), MOST_ALPHA2);
+    centre.surface.roughness = widened(sqrt(sqrt(alpha2 / count)), grown);
     // Every tap's normal is within 90 degrees of the centre's: the mean is not near 0.
     centre.surface.normal = normalize(centre.surface.normal + off);
 }

@@ -1,6 +1,7 @@
 //! `macula render --stereo`: both eyes in one picture, figures of each, and what makes no sense.
 
 use macula_tests::cli::{Place, failure, json, run};
+use std::path::Path;
 
 const HALL: [&str; 8] =
     ["render", "hall", "--triangles", "10000", "--lights", "3", "--display", "varjo-aero"];
@@ -16,13 +17,15 @@ fn stereo(place: &Place, name: &str, more: &[&str]) -> (String, serde_json::Valu
 fn both_eyes_stand_beside_each_other() {
     let place = Place::new();
     let (dup, report) = stereo(&place, "dup.png", &["--stereo", "dup"]);
-    let picture = macula::io::image_file::read_png_rgba8(std::path::Path::new(&dup)).unwrap();
+    let picture = macula::io::image_file::read_png_rgba8(Path::new(&dup)).unwrap();
     assert_eq!(picture.0, [192, 80]);
+    let half =
+        |first: usize| picture.1.chunks_exact(4 * 192).flat_map(move |row| &row[first..first + 4 * 96]);
+    assert!(half(0).ne(half(4 * 96)), "two eyes see two pictures");
+    assert!([0, 4 * 96].into_iter().all(|first| half(first).any(|value| (1..255).contains(value))));
     assert_eq!(report["against_dup"], serde_json::Value::Null);
     assert_eq!((&report["non_finite"], &report["holes"]), (&0.into(), &0.into()));
     assert_eq!(report["right"]["lp"]["reused"], 0);
-    // The left half is what the left eye sees alone, but half the eyes' distance to the left: the same
-    // picture as with the camera moved would be, so that only sizes are compared here.
     assert_eq!(report["size"], serde_json::json!([96, 80]));
 
     let (_, report) = stereo(&place, "rep.exr", &["--stereo", "rep", "--frames", "2", "--fixation-m", "2"]);

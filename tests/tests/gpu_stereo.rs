@@ -52,10 +52,10 @@ fn both(gpu: &Gpu, content: &GpuContent, settings: &StereoSettings, input: &Ster
     frames
 }
 
-/// Share of the right eye's samples that were taken from the left one.
+/// Share of the right eye's samples on the display that were taken from the left one.
 fn reused_share(right: &Frame) -> f64 {
     let lp = right.stats.lp.expect("a foveated frame");
-    lp.reused as f64 / (lp.reused + lp.shaded + lp.native_pixels) as f64
+    lp.reused as f64 / (lp.reused + lp.shaded_on_display + lp.native_pixels) as f64
 }
 
 /// A floor, a wall and a ball's worth of boards, all of them matte.
@@ -151,7 +151,7 @@ fn matte_surfaces_are_taken_from_the_left_eye() {
                 "every sample is either shaded or taken"
             );
             let psnr = psnr(&found[1], &expected[1]);
-            println!("{method:?} {point}: {share:.3} reused, {psnr:.1} dB");
+            println!("{point}: {share:.3} reused, {psnr:.1} dB");
             // What only the right eye sees at its edge: the frusta differ by 0.3 of 1.9, so that a fifth
             // of the samples at most has no counterpart.
             assert!(share > 0.7, "{method:?} {point}: {share}");
@@ -185,6 +185,16 @@ fn board_before_wall() -> Scene {
     scene
 }
 
+/// Surfaces have one colour each, so a sample that was taken has the very colour that shading gives, but
+/// for a neighbour's share: within the depth's tolerance (0.001 over the relative step from 0.6 to 4 m, so
+/// 0.0012), and where the places at which depths are compared miss a texel's outermost part. A ghost would
+/// be a difference of 1.
+const GHOST: f32 = 2.0 / 255.0;
+
+fn greatest_difference(a: &Frame, b: &Frame) -> f32 {
+    a.hdr.iter().zip(&b.hdr).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
 #[test]
 fn what_the_left_eye_does_not_see_is_shaded() {
     let gpu = gpu();
@@ -198,12 +208,8 @@ fn what_the_left_eye_does_not_see_is_shaded() {
             let expected = both(&gpu, &content, &stereo(method.clone(), StereoMode::Dup), &input);
             let found = both(&gpu, &content, &stereo(method.clone(), StereoMode::Rep), &input);
             assert!(reused_share(&found[1]) > 0.5, "{method:?}");
-            // Surfaces of one colour each: a sample that was taken is the very colour that shading gives,
-            // but for a neighbour's share within the depth's tolerance: over depths of 0.6 and 4 m
-            // 0.001 / 0.85 of full scale.
-            let most = found[1].hdr.iter().zip(&expected[1].hdr).map(|(a, b)| (a - b).abs());
-            let most = most.fold(0.0_f32, f32::max);
-            assert!(most < 3e-3, "{method:?} {point}: {most}");
+            let most = greatest_difference(&found[1], &expected[1]);
+            assert!(most < GHOST, "{method:?} {point}: {most}");
         }
     }
 }
@@ -226,8 +232,8 @@ fn glass_before_a_wall_is_not_taken_along() {
     assert!(found[0].passes().contains(&"keep") && !expected[0].passes().contains(&"keep"));
     assert!(found[0].hdr == expected[0].hdr);
     assert!(reused_share(&found[1]) > 0.5);
-    let most = found[1].hdr.iter().zip(&expected[1].hdr).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-    assert!(most < 3e-3, "{most}");
+    let most = greatest_difference(&found[1], &expected[1]);
+    assert!(most < GHOST, "{most}");
 }
 
 #[test]

@@ -45,7 +45,7 @@
 //! Gaussians at a fixed series of sigmas, each computed tile by tile where it is needed, and each
 //! pixel interpolated between the two that enclose its own, linearly in the variance. Above a sigma
 //! of 8 px they are computed on halved grids. At any frequency the transfer is within 0.02 of the
-//! Gaussian's. The time per pixel does not depend on sigma.
+//! Gaussian's. The time per pixel is bounded, however large sigma is.
 
 mod levels;
 mod pyramid;

@@ -58,7 +58,7 @@ enum Mapper {
     Kernel(Kernel),
     KernelOnGpu(Kernel, HeadlessDevice),
     Any(Box<dyn Mapping>),
-    AnyOnGpu(Box<dyn Mapping>, GpuMapping),
+    AnyOnGpu(Box<dyn Mapping>, Box<GpuMapping>),
 }
 
 struct Job<'a> {
@@ -96,7 +96,8 @@ impl<'a> Job<'a> {
         })?;
         let mapper = match device {
             Some(device) => {
-                Mapper::AnyOnGpu(mapping, GpuMapping::new(&device, &RenderSettings::new(display, method))?)
+                let on_gpu = GpuMapping::new(&device, &RenderSettings::new(display, method))?;
+                Mapper::AnyOnGpu(mapping, Box::new(on_gpu))
             }
             None => Mapper::Any(mapping),
         };

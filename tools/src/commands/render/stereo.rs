@@ -37,7 +37,7 @@ pub(super) struct StereoArgs {
     #[arg(long, value_enum, value_name = "MODE")]
     pub(super) stereo: Option<StereoName>,
     /// Distance of the point that both eyes look at, metres, 0.05 to 1e6 [default: they look in parallel]
-    #[arg(long, value_name = "D", requires = "stereo", value_parser = parse_fixation)]
+    #[arg(long, value_name = "D", requires = "stereo", value_parser = parse_fixation, allow_hyphen_values = true)]
     fixation_m: Option<f64>,
 }
 
