@@ -39,13 +39,18 @@ vec2 px_of_frame_ray(vec3 ray, out float depth) {
     return depth > 1e-9 ? px : vec2(OFF_THE_PLANE);
 }
 
+// At an offset from a texel's centre, -0.5 to 0.5: the parabola through both edges and the centre, which need
+// not lie in the middle where the mapping bends.
+vec2 within_texel(vec2 low, vec2 centre, vec2 high, vec2 offset) {
+    vec2 bend = 2.0 * ((high - centre) - (centre - low));
+    return centre + offset * ((high - low) + offset * bend);
+}
+
 // At an offset from a column's centre, -0.5 to 0.5: sine and cosine of the eccentricity, by the parabola
 // through both edges and the centre.
 vec2 circle_in_column(uint u, float offset) {
     vec4 inner_centre = lp_tables[2u * u];
-    vec2 outer = lp_tables[2u * u + 1u].xy;
-    vec2 bend = 2.0 * ((outer - inner_centre.zw) - (inner_centre.zw - inner_centre.xy));
-    return inner_centre.zw + offset * ((outer - inner_centre.xy) + offset * bend);
+    return within_texel(inner_centre.xy, inner_centre.zw, lp_tables[2u * u + 1u].xy, vec2(offset));
 }
 
 vec2 axes_texel_px(uvec2 texel) {
@@ -69,8 +74,8 @@ vec2 texel_px(uvec2 texel) {
 // What the samples within one texel have in common.
 struct TexelPlace {
     uvec2 texel;
-    vec4 radii_px;  // by kernels: of the column
-    vec2 around;    // direction of the texel's centre from the gaze
+    vec4 radii_px;  // by kernels: of the column; by axes: left and right edge, upper and lower edge
+    vec2 around;    // direction of the texel's centre from the gaze; by axes: the centre, px
     float height;   // of the column
     float width_px; // the texel's greater extent, in pixels of the display's centre
 };
@@ -88,6 +93,7 @@ TexelPlace texel_place(uvec2 texel) {
         vec4 column = lp_tables[2u * texel.x];
         vec4 row = lp_tables[first_row(texel.x) + texel.y];
         place.radii_px = vec4(column.x, column.z, row.x, row.z);
+        place.around = vec2(column.y, row.y);
         place.width_px = max(column.z - column.x, row.z - row.x);
     } else {
         place.around = fovea_direction((float(texel.y) + 0.5) / place.height);
@@ -103,7 +109,7 @@ TexelPlace texel_place(uvec2 texel) {
 // 0.5; zw the turn by y in a column as high as the LP-buffer.
 vec2 place_px(TexelPlace place, vec4 offset) {
     if (MAPPING_KIND == MAPPING_AXES) {
-        return mix(place.radii_px.xz, place.radii_px.yw, offset.xy + 0.5);
+        return within_texel(place.radii_px.xz, place.around, place.radii_px.yw, offset.xy);
     }
     vec2 turn = offset.zw;
     if (MAPPING_KIND == MAPPING_RADIAL) {
@@ -114,8 +120,8 @@ vec2 place_px(TexelPlace place, vec4 offset) {
     vec2 around = vec2(
         place.around.x * turn.x - place.around.y * turn.y, place.around.x * turn.y + place.around.y * turn.x);
     if (MAPPING_KIND == MAPPING_KERNEL) {
-        // Within the texel the radius is close to linear in u.
-        return around * mix(place.radii_px.x, place.radii_px.z, offset.x + 0.5) + fovea.gaze_px.xy;
+        vec4 radii = place.radii_px;
+        return around * within_texel(radii.xx, radii.yy, radii.zz, offset.xx).x + fovea.gaze_px.xy;
     }
     vec2 circle = circle_in_column(place.texel.x, offset.x);
     float depth;

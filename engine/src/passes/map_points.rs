@@ -62,7 +62,7 @@ pub enum Way {
     ToDisplay = 1,
 }
 
-/// The mapping of one frame as the shaders have it.
+/// The mapping for one gaze as the shaders have it.
 pub struct PointTables<'a> {
     /// The block.
     pub params: FoveaParams,
@@ -70,60 +70,107 @@ pub struct PointTables<'a> {
     pub lp_tables: Option<&'a [ColumnRow]>,
     /// Forward table.
     pub forward: &'a [ForwardKnot],
-    /// Bytes of the table by columns and rows.
-    pub table_bytes: u64,
-    /// Kind of mapping and kernel.
-    pub spec: Spec<'a>,
 }
 
-/// Maps points on the GPU by the functions that the passes use. Inputs and results are read as the way
-/// says; what the way does not name is 0.
-///
-/// # Errors
-/// [`crate::Error::Memory`] and [`crate::Error::Vulkan`].
-pub fn map_any(
-    context: &Arc<Context>,
-    tables: &PointTables<'_>,
-    way: Way,
-    points: &[[f32; 4]],
-) -> Result<Vec<[f32; 4]>> {
-    let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-    let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
-    let fovea = submit::upload_buffer(context, "fovea of points", &[tables.params], uniform)?;
-    let lp_tables = match tables.lp_tables {
-        Some(rows) => submit::upload_buffer(context, "lp tables of points", rows, storage)?,
-        None => Buffer::new(context, "lp tables of points", tables.table_bytes, storage, Location::Gpu)?,
-    };
-    let forward = submit::upload_buffer(context, "forward table of points", tables.forward, storage)?;
-    let input = submit::upload_buffer(context, "points", points, storage)?;
-    let output =
-        Buffer::new(context, "mapped points", 16 * points.len() as u64, storage, Location::Readback)?;
-    let binds = [
-        ("Fovea", Bind::Buffer(&fovea)),
-        ("Points", Bind::Buffer(&input)),
-        ("Mapped", Bind::Buffer(&output)),
-        ("ForwardTable", Bind::Buffer(&forward)),
-        ("LpTables", Bind::Buffer(&lp_tables)),
-    ];
-    let pipeline = ComputePipeline::new(context, &shaders::MAP_POINTS_ANY_COMP, tables.spec, &binds)?;
-    let fill_binds = [("Fovea", Bind::Buffer(&fovea)), ("LpTables", Bind::Buffer(&lp_tables))];
-    let fill = ComputePipeline::new(context, &shaders::LP_TABLES_COMP, &[], &fill_binds)?;
-    let [_, _, columns, rows] = tables.params.size;
-    let count = u32::try_from(points.len()).unwrap_or(u32::MAX);
-    submit::submit_and_wait(context, "mapping points", |commands| {
-        // SAFETY: `commands` is being recorded with the pipelines bound before each dispatch.
-        unsafe {
-            if tables.lp_tables.is_none() {
-                fill.bind(commands, 0, &());
-                context.device.cmd_dispatch(commands, (columns + rows).div_ceil(64), 1, 1);
-                submit::full_barrier(context, commands);
-            }
-            pipeline.bind(commands, 0, &[count, way as u32]);
-            context.device.cmd_dispatch(commands, count.div_ceil(64), 1, 1);
+/// What a [`PointMapper`] has room for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PointRoom {
+    /// Bytes of the table by columns and rows.
+    pub table_bytes: u64,
+    /// The GPU computes that table.
+    pub computed: bool,
+    /// Knots of the forward table.
+    pub knots: u64,
+}
+
+/// Points that are mapped at a time, 1 MiB of them.
+const POINTS_AT_A_TIME: usize = 1 << 16;
+
+/// Maps points on the GPU by the functions that the passes use. Made once for a method and a display, and
+/// then used for any gaze.
+pub struct PointMapper {
+    fovea: Buffer,
+    lp_tables: Buffer,
+    forward: Buffer,
+    points: Buffer,
+    mapped: Buffer,
+    pipeline: ComputePipeline,
+    /// Computes the table by columns and rows.
+    fill: Option<ComputePipeline>,
+    context: Arc<Context>,
+}
+
+impl PointMapper {
+    /// `spec`: kind of mapping and kernel.
+    ///
+    /// # Errors
+    /// [`crate::Error::Memory`] and [`crate::Error::Vulkan`].
+    pub fn new(context: &Arc<Context>, spec: Spec<'_>, room: PointRoom) -> Result<Self> {
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let uniform = vk::BufferUsageFlags::UNIFORM_BUFFER;
+        let make = |name: &str, size, usage, location| Buffer::new(context, name, size, usage, location);
+        let points_size = (size_of::<[f32; 4]>() * POINTS_AT_A_TIME) as u64;
+        let knots_size = size_of::<ForwardKnot>() as u64 * room.knots;
+        let fovea =
+            make("fovea of points", size_of::<FoveaParams>() as u64, uniform, Location::Upload)?;
+        let table_location = if room.computed { Location::Gpu } else { Location::Upload };
+        let lp_tables = make("lp tables of points", room.table_bytes, storage, table_location)?;
+        let forward = make("forward table of points", knots_size, storage, Location::Upload)?;
+        let points = make("points", points_size, storage, Location::Upload)?;
+        let mapped = make("mapped points", points_size, storage, Location::Readback)?;
+        let binds = [
+            ("Fovea", Bind::Buffer(&fovea)),
+            ("Points", Bind::Buffer(&points)),
+            ("Mapped", Bind::Buffer(&mapped)),
+            ("ForwardTable", Bind::Buffer(&forward)),
+            ("LpTables", Bind::Buffer(&lp_tables)),
+        ];
+        let pipeline = ComputePipeline::new(context, &shaders::MAP_POINTS_ANY_COMP, spec, &binds)?;
+        let fill_binds = [("Fovea", Bind::Buffer(&fovea)), ("LpTables", Bind::Buffer(&lp_tables))];
+        let fill = || ComputePipeline::new(context, &shaders::LP_TABLES_COMP, &[], &fill_binds);
+        let fill = room.computed.then(fill).transpose()?;
+        let context = context.clone();
+        Ok(Self { fovea, lp_tables, forward, points, mapped, pipeline, fill, context })
+    }
+
+    /// Inputs and results are read as the way says; what the way does not name is 0.
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
+    pub fn map(
+        &mut self,
+        tables: &PointTables<'_>,
+        way: Way,
+        points: &[[f32; 4]],
+    ) -> Result<Vec<[f32; 4]>> {
+        self.fovea.write(0, &[tables.params]);
+        self.forward.write(0, tables.forward);
+        if let Some(rows) = tables.lp_tables {
+            self.lp_tables.write(0, rows);
         }
-        submit::full_barrier(context, commands);
-        Ok(())
-    })?;
-    let mapped: &[[f32; 4]] = bytemuck::cast_slice(output.bytes());
-    Ok(mapped[..points.len()].to_vec())
+        let [_, _, columns, rows] = tables.params.size;
+        let mut all = Vec::with_capacity(points.len());
+        for part in points.chunks(POINTS_AT_A_TIME) {
+            self.points.write(0, part);
+            let count = part.len() as u32;
+            submit::submit_and_wait(&self.context, "mapping points", |commands| {
+                let device = &self.context.device;
+                // SAFETY: `commands` is being recorded with the pipelines bound before each dispatch.
+                unsafe {
+                    if let Some(fill) = &self.fill {
+                        fill.bind(commands, 0, &());
+                        device.cmd_dispatch(commands, (columns + rows).div_ceil(64), 1, 1);
+                        submit::full_barrier(&self.context, commands);
+                    }
+                    self.pipeline.bind(commands, 0, &[count, way as u32]);
+                    device.cmd_dispatch(commands, count.div_ceil(64), 1, 1);
+                }
+                submit::full_barrier(&self.context, commands);
+                Ok(())
+            })?;
+            let mapped: &[[f32; 4]] = bytemuck::cast_slice(self.mapped.bytes());
+            all.extend_from_slice(&mapped[..part.len()]);
+        }
+        Ok(all)
+    }
 }

@@ -31,7 +31,7 @@ pub use lp_dispatch::LpDispatch;
 pub use lp_filter::LpFilter;
 pub use lp_shade::LpShade;
 pub use lp_tables::LpTables;
-pub use map_points::{PointTables, Way, map_any, map_points};
+pub use map_points::{PointMapper, PointRoom, PointTables, Way, map_points};
 pub use output::Output;
 pub use post_filter::PostFilter;
 pub use shadow::{MAX_SHADOW_VIEWS, Shadow};

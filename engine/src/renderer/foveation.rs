@@ -9,7 +9,7 @@ use crate::fovea::{
     fill_forward,
 };
 use crate::gpu::Context;
-use crate::passes::{FrameBuffers, LpRoom, PointTables, Way, map_any};
+use crate::passes::{FrameBuffers, LpRoom, PointMapper, PointRoom, PointTables, Way};
 use crate::settings::{KfrSettings, LpFilter, Method, RenderSettings};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -242,29 +242,34 @@ impl Foveation {
             .map_or(u64::from(columns) * u64::from(rows), |of| of.offsets()[columns as usize])
     }
 
-    /// Maps points on the GPU for a gaze, as the passes do.
+    /// What maps single points for the method and display of this.
     ///
     /// # Errors
     /// [`crate::Error::Memory`] and [`crate::Error::Vulkan`].
+    pub(super) fn point_mapper(&self, context: &Arc<Context>, method: &Method) -> Result<PointMapper> {
+        let room = PointRoom {
+            table_bytes: 16 * self.room.table_rows,
+            computed: self.kind() == MappingKind::Kernel,
+            knots: self.room.knots,
+        };
+        PointMapper::new(context, &mapping_spec(self.kind(), method), room)
+    }
+
+    /// Maps points on the GPU for a gaze, as the passes do.
+    ///
+    /// # Errors
+    /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
     pub(super) fn map_points(
         &mut self,
-        context: &Arc<Context>,
-        method: &Method,
+        mapper: &mut PointMapper,
         gaze_px: DVec2,
         way: Way,
         points: &[[f32; 4]],
     ) -> Result<Vec<[f32; 4]>> {
         let params = self.params(gaze_px);
         self.active.fill(&mut self.rows, &mut self.knots);
-        let spec = mapping_spec(self.kind(), method);
-        let tables = PointTables {
-            params,
-            lp_tables: (self.kind() != MappingKind::Kernel).then_some(&self.rows),
-            forward: &self.knots,
-            table_bytes: 16 * self.room.table_rows,
-            spec: &spec,
-        };
-        map_any(context, &tables, way, points)
+        let lp_tables = (self.kind() != MappingKind::Kernel).then_some(&self.rows[..]);
+        mapper.map(&PointTables { params, lp_tables, forward: &self.knots }, way, points)
     }
 
     /// Writes the tables that do not depend on the gaze, once for each frame slot.

@@ -4,18 +4,15 @@
 use super::foveation::Foveation;
 use crate::error::Result;
 use crate::fovea::LpPoint;
-use crate::gpu::Context;
 use crate::headless::HeadlessDevice;
-use crate::passes::Way;
-use crate::settings::{Method, RenderSettings};
+use crate::passes::{PointMapper, Way};
+use crate::settings::RenderSettings;
 use glam::DVec2;
-use std::sync::Arc;
 
 /// A method's mapping in single precision on a device.
 pub struct GpuMapping {
     foveation: Foveation,
-    method: Method,
-    context: Arc<Context>,
+    mapper: PointMapper,
 }
 
 /// Where a display position lies.
@@ -32,7 +29,8 @@ impl GpuMapping {
     /// For checked settings of a foveated method.
     ///
     /// # Errors
-    /// [`crate::Error::Setting`] for settings out of range, or full shading, which has no mapping.
+    /// [`crate::Error::Setting`] for settings out of range, or full shading, which has no mapping;
+    /// [`crate::Error::Memory`] and [`crate::Error::Vulkan`].
     pub fn new(device: &HeadlessDevice, settings: &RenderSettings) -> Result<Self> {
         settings.check()?;
         if !settings.foveated() {
@@ -40,17 +38,15 @@ impl GpuMapping {
                 "full shading has no mapping; choose a foveated method".into(),
             ));
         }
-        Ok(Self {
-            foveation: Foveation::new(settings),
-            method: settings.method.clone(),
-            context: device.context().clone(),
-        })
+        let foveation = Foveation::new(settings);
+        let mapper = foveation.point_mapper(device.context(), &settings.method)?;
+        Ok(Self { foveation, mapper })
     }
 
     /// Display positions, px, to the LP-buffer. Positions are rounded to single precision.
     ///
     /// # Errors
-    /// [`crate::Error::Memory`] and [`crate::Error::Vulkan`].
+    /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
     pub fn forward(&mut self, gaze_px: DVec2, points_px: &[DVec2]) -> Result<Vec<MappedPoint>> {
         let points: Vec<_> = points_px.iter().map(|px| [px.x as f32, px.y as f32, 0.0, 0.0]).collect();
         let mapped = self.map(gaze_px, Way::ToLp, &points)?;
@@ -76,6 +72,6 @@ impl GpuMapping {
         if points.is_empty() {
             return Ok(Vec::new());
         }
-        self.foveation.map_points(&self.context, &self.method, gaze_px, way, points)
+        self.foveation.map_points(&mut self.mapper, gaze_px, way, points)
     }
 }
