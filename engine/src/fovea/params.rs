@@ -198,7 +198,8 @@ impl FoveaParams {
             // Nothing lies inside.
             None => [1e9, 1e9, -1e9, -1e9],
         };
-        let native_rect = rect(mapping.native_rect_px());
+        let size_px = DVec2::new(f64::from(width), f64::from(display_height));
+        let native_rect = rect(mapping.native_rect_px().map(|corners| beyond_edges(corners, size_px)));
         let [band, finer_band] = mapping.bands_px().map(|band| band as f32);
         let first = |value: f32| value.max(0.0) as i32;
         let end = |value: f32, side: u32| (value.ceil().max(0.0) as i32).min(side as i32);
@@ -224,6 +225,12 @@ impl FoveaParams {
             ..Self::zeroed()
         }
     }
+}
+
+/// A rectangle that goes on where it ends at the display's edge: pixels there blend with nothing outside.
+fn beyond_edges([low, high]: [DVec2; 2], size_px: DVec2) -> [DVec2; 2] {
+    const FAR_PX: DVec2 = DVec2::splat(1e9);
+    [DVec2::select(low.cmple(DVec2::ZERO), -FAR_PX, low), DVec2::select(high.cmpge(size_px), FAR_PX, high)]
 }
 
 fn kind(kernel: &Kernel) -> u32 {

@@ -43,7 +43,7 @@ pub fn text(report: &Report) -> String {
     let mut text =
         table(&["family", "where", "cases", "worst", "bound", "unit", "failures", "s"], &rows(report));
     text.push('\n');
-    for family in report.families.iter().filter(|family| !family.worst_at.is_empty()) {
+    for family in report.families.iter().filter(|family| family.worst != Some(0.0)) {
         text += &format!("{:<18} worst at {}\n", family.name, family.worst_at);
     }
     for family in report.families.iter().filter(|family| family.without_checks > 0) {

@@ -5,14 +5,14 @@ use super::super::family::{Case, Family, Finding, Part, Place};
 use super::super::random::Random;
 use super::super::subject::{Gaze, Layout, Screen, Subject, gazes, methods, on_display, screens};
 use super::points::{extent_at_px, pixel_centres};
-use super::{at_px, share_between};
+use super::at_px;
 use crate::failure::Failure;
 use glam::DVec2;
 use macula::fovea::{LpPoint, MAX_GAZE_PX, Mapping};
 use macula::headless::{GpuMapping, HeadlessDevice, map_points_on_gpu};
 use macula::settings::{Method, RenderSettings};
 
-/// Texels, on the way back pixels where those are larger. KFR's fast function is off by 2e-3 texels at
+/// Pixels, texels where those are larger. KFR's fast function is off by 2e-3 texels at
 /// 7680x4320 and in proportion to the LP-buffer's size, the tables of the others by 3e-4 columns; azimuths
 /// are good to 1e-7 of a turn, of up to 6480 texels; display positions beyond 8192 px lie 1e-3 px apart.
 /// Interpolating, two hundredths of a texel would move the picture by two hundredths of its finest detail.
@@ -39,7 +39,7 @@ pub fn families() -> Vec<Family> {
             "gpu-twin",
             "the GPU maps pixels to the LP-buffer, and texels to the display, as the CPU does",
             TWINS,
-            "texels, px where larger",
+            "px, texels where larger",
             || cases(|_| true, twin),
         ),
         family(
@@ -145,20 +145,14 @@ fn twin(twins: &mut Twins, finding: &mut Finding) -> Result<(), Failure> {
     inverse(twins, finding)
 }
 
+/// Compared on the display, where both lead back to: texels may be far smaller than pixels, and right on a
+/// layer's border either layer is right.
 fn forward(twins: &mut Twins, finding: &mut Finding) -> Result<(), Failure> {
     for (index, found) in twins.forward()?.into_iter().enumerate() {
         let px = twins.points[index];
-        let Some((found, expected)) = found.zip(twins.mapping.forward(px)) else { continue };
-        // Right on a layer's border either layer is right: then where the point leads back to counts.
-        let other_layer = twins.subject.layout() == Layout::Layers && (found.u - expected.u).abs() > 1.0;
-        let off = if other_layer {
-            let extent_px = extent_at_px(twins.mapping, px).unwrap_or(1.0);
-            twins.mapping.inverse(found).map_or(f64::INFINITY, |back| back.distance(px)) / extent_px
-        } else {
-            let share = share_between(expected.v_share, found.v_share, true);
-            (found.u - expected.u).hypot(share * twins.mapping.column_height(expected.u))
-        };
-        finding.error(off, || twins.at(px));
+        let Some((found, extent_px)) = found.zip(extent_at_px(twins.mapping, px)) else { continue };
+        let back = twins.mapping.inverse(found).map_or(f64::INFINITY, |back| back.distance(px));
+        finding.error(back / extent_px.max(1.0), || twins.at(px));
     }
     Ok(())
 }

@@ -34,48 +34,56 @@ pub fn families() -> Vec<Family> {
     ]
 }
 
-/// Displays that are rendered: one pixel, one row or column, odd and prime sides, one so narrow that the
-/// acuity asks for fewer samples than pixels everywhere, one without symmetry, one as long as the longest.
+/// Displays that are rendered: one so narrow that the acuity asks for fewer samples than pixels everywhere, one
+/// pixel, one without symmetry, odd and prime sides, one row or column, one as long as the longest.
 fn rendered_screens() -> Vec<Screen> {
-    let screen = |name, size_px: [u32; 2], hfov_deg, quick| Screen {
+    let screen = |name, size_px: [u32; 2], hfov_deg| Screen {
         name,
         display: DisplayGeometry::symmetric(size_px, hfov_deg),
-        quick,
+        quick: false,
     };
     let [tan_left, tan_right, tan_up, tan_down] = [-1.42, 1.07, 1.19, -1.43];
     let asymmetric = DisplayGeometry { size_px: [144, 160], tan_left, tan_right, tan_up, tan_down };
     vec![
-        screen("1x1", [1, 1], 60.0, true),
-        screen("2x1", [2, 1], 60.0, false),
-        screen("1x7", [1, 7], 20.0, false),
-        screen("13x17", [13, 17], 80.0, false),
-        screen("64x64", [64, 64], 90.0, false),
-        screen("101x103", [101, 103], 90.0, false),
-        screen("160x90-1.2deg", [160, 90], 1.2, true),
-        screen("320x180-5deg", [320, 180], 5.0, false),
+        screen(NARROW, [160, 90], 1.2),
+        screen("1x1", [1, 1], 60.0),
         Screen { name: "asymmetric", display: asymmetric, quick: false },
-        screen("1280x720", [1280, 720], 100.0, false),
-        screen("11520x16", [11520, 16], 120.0, false),
+        screen("13x17", [13, 17], 80.0),
+        screen("2x1", [2, 1], 60.0),
+        screen("1x7", [1, 7], 20.0),
+        screen("64x64", [64, 64], 90.0),
+        screen("101x103", [101, 103], 90.0),
+        screen("320x180-5deg", [320, 180], 5.0),
+        screen("1280x720", [1280, 720], 100.0),
+        screen("11520x16", [11520, 16], 120.0),
     ]
 }
 
+const NARROW: &str = "160x90-1.2deg";
+
+/// How many of the displays are rendered with every method's hardest parameters too.
+const WITH_ALL_PARAMETERS: usize = 2;
+
 /// All gazes up to this many pixels; on larger displays those of the subset.
-const MANY_PIXELS: u32 = 60_000;
+const MANY_PIXELS: u32 = 20_000;
 
 fn rendered_gazes(display: &DisplayGeometry) -> Vec<Gaze> {
     let [width, height] = display.size_px;
     gazes(display).into_iter().filter(|gaze| width * height <= MANY_PIXELS || gaze.quick).collect()
 }
 
+/// A case for each method on the first `most` displays. `quick`: methods and displays of the subset.
 fn cases(
-    wanted: fn(&Subject) -> bool,
+    most: usize,
+    quick: &[(&str, &str)],
     check: fn(&Bench, &Subject, &Screen) -> Result<Finding, Failure>,
 ) -> Vec<Case> {
     let mut cases = Vec::new();
-    for subject in methods().into_iter().filter(wanted) {
-        for screen in rendered_screens() {
+    for subject in methods() {
+        let most = if subject.quick { most } else { WITH_ALL_PARAMETERS };
+        for screen in rendered_screens().into_iter().take(most) {
             let id = format!("{}/{}", subject.name, screen.name);
-            let quick = subject.quick && screen.quick;
+            let quick = quick.contains(&(subject.name, screen.name));
             let subject = subject.clone();
             cases.push(Case::new(id, quick, move |bench| check(bench, &subject, &screen)));
         }
@@ -84,12 +92,13 @@ fn cases(
 }
 
 fn frames() -> Vec<Case> {
-    let mut all = cases(|_| true, triangles);
+    let quick = [("kfr", "1x1"), ("vafr", "1x1"), ("vafr-planar", NARROW), ("guenter3", NARROW)];
+    let mut all = cases(usize::MAX, &quick, triangles);
     // The ray-marched scene has passes of its own.
     let marched = methods().into_iter().filter(|subject| subject.quick);
     all.extend(marched.map(|subject| {
         let id = format!("{}/ray-marched", subject.name);
-        let quick = subject.name == "vafr-planar";
+        let quick = subject.name == "rmfr";
         Case::new(id, quick, move |bench| ray_marched(bench, &subject))
     }));
     all
@@ -123,7 +132,7 @@ fn every_gaze(
 }
 
 fn gazed_pixels() -> Vec<Case> {
-    cases(|_| true, gazed_pixel)
+    cases(4, &[("kfr", "1x1"), ("vafr", NARROW), ("guenter3", NARROW)], gazed_pixel)
 }
 
 fn gazed_pixel(bench: &Bench, subject: &Subject, screen: &Screen) -> Result<Finding, Failure> {
