@@ -36,19 +36,9 @@ pub fn families() -> Vec<Family> {
         cases,
     };
     vec![
-<<<<<<< HEAD
         family("ramp", "a linear ramp comes back as a ramp", RAMP, "of the allowance", || {
-            cases(|_| true, ramps)
+            cases(|_| true, 3, &["kfr", "vafr"], ramps)
         }),
-=======
-        family(
-            "ramp",
-            "a linear ramp comes back as a ramp",
-            RAMP,
-            "of the allowance",
-            || cases(|_| true, 3, &["kfr", "vafr"], ramps),
-        ),
->>>>>>> p4-hardcases
         family(
             "seam-gradient",
             "the gradient of a smooth picture shows no seam to the right of the gaze",
@@ -56,19 +46,9 @@ pub fn families() -> Vec<Family> {
             "px",
             || cases(|subject| subject.layout() == Layout::Polar, 2, &["vafr-planar"], seams),
         ),
-<<<<<<< HEAD
         family("ring", "no step where native pixels and the LP-buffer meet", RING_PX, "px", || {
-            cases(|_| true, rings)
+            cases(|_| true, 2, &["kfr", "vafr"], rings)
         }),
-=======
-        family(
-            "ring",
-            "no step where native pixels and the LP-buffer meet",
-            RING_PX,
-            "px",
-            || cases(|_| true, 2, &["kfr", "vafr"], rings),
-        ),
->>>>>>> p4-hardcases
     ]
 }
 

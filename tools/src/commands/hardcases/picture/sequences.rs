@@ -47,34 +47,19 @@ pub fn families() -> Vec<Family> {
         family("gaze-jump", "after a jump of the gaze the frame is that of the new gaze alone", || {
             cases(true, true, jumps)
         }),
-<<<<<<< HEAD
         family(
             "no-gaze",
             "a gaze that is none keeps the last one, or the centre at first, and says so",
-            || cases(true, no_gaze),
+            || cases(true, true, no_gaze),
         ),
-        family("run-to-run", "another run gives the same picture, bit for bit", || cases(false, again)),
-=======
-        family("no-gaze", "a gaze that is none keeps the last one, or the centre at first, and says so", || {
-            cases(true, true, no_gaze)
-        }),
         family("run-to-run", "another run gives the same picture, bit for bit", || cases(false, true, again)),
->>>>>>> p4-hardcases
         family("dropped-frame", "a frame that is recorded and not submitted changes no other", || {
             cases(false, true, dropped)
         }),
         family("late-latch", "a gaze latched late gives the picture of a gaze recorded", || {
-<<<<<<< HEAD
-            cases(true, latched)
-        }),
-        family("history", "no pass keeps anything from frame to frame", || {
-            vec![Case::new("none", true, history)]
-        }),
-=======
             cases(true, true, latched)
         }),
         family("history", "no pass keeps anything from frame to frame", histories),
->>>>>>> p4-hardcases
     ]
 }
 
@@ -206,17 +191,9 @@ fn dropped(sequence: &mut Sequence, finding: &mut Finding) -> Result<(), Failure
 }
 
 fn latched(sequence: &mut Sequence, finding: &mut Finding) -> Result<(), Failure> {
-<<<<<<< HEAD
-    for (recorded, late) in
-        [(HERE, THERE), (THERE, HERE), (HERE, OFF), (DVec2::NAN, HERE), (HERE, DVec2::NAN)]
-    {
-        let in_use = if late.is_finite() { late } else { recorded };
-        let expected = sequence.alone(in_use)?;
-=======
     let none = DVec2::NAN;
     for (recorded, late) in [(HERE, THERE), (THERE, HERE), (HERE, OFF), (none, HERE), (HERE, none)] {
         let expected = sequence.expected(if late.is_finite() { late } else { recorded })?;
->>>>>>> p4-hardcases
         let slot = sequence.renderer.record(&looking_ahead(recorded))?;
         sequence.renderer.late_latch(slot, late);
         sequence.renderer.launch()?;
