@@ -323,7 +323,8 @@ fn highlights_do_not_flicker_more_than_in_full_shading() {
     for (what, scene) in [("normal map", bumpy), ("balls", balls())] {
         let full = rings(&gpu, &scene, &settings(SIZE, HFOV_DEG, Method::Full));
         // Without the filter over the LP-buffer, which smooths edges by itself.
-        let unfiltered = VafrSettings { lp_filter: LpFilter::None, ..VafrSettings::default() };
+        let unfiltered =
+            VafrSettings { acuity: low_acuity(), lp_filter: LpFilter::None, ..VafrSettings::default() };
         for (name, method) in [("vafr", Method::Vafr(unfiltered)), ("kfr", kfr(1.8, 4.0))] {
             let [with, without] = [true, false].map(|footprint| {
                 let rings = rings(&gpu, &scene, &with_footprint(method.clone(), footprint));
