@@ -47,7 +47,8 @@ struct FoveaParams {
     ivec4 native_box;  // first px, end px
     vec4 native_rect;  // x0, y0, x1, y1 in px
     vec4 layer_rect;   // of the finer layer
-    vec4 axes;         // bands of the two rectangles (px), columns of the finer layer, start of the coarser one's table
+    vec4 axes;         // bands of the two rectangles (px), columns of the finer layer, start of the coarser one's table;
+                       // radial: 1 for knots that are dense at the end
 };
 
 // A normalised LP position: hi and lo of u in 0..=1, hi and lo of v in [0, 1).

@@ -234,6 +234,10 @@ vec2 forward_knot(vec3 ray, float ray_length) {
     // tan(e / 2), in the form that does not cancel.
     float half_tangent = ray.z >= 0.0 ? across / (ray_length + ray.z) : (ray_length - ray.z) / max(across, 1e-30);
     float at = min(sqrt(half_tangent) * fovea.table.x, fovea.table.y);
+    if (fovea.axes.x > 0.0) {
+        // Dense at the end: share (2 - share) of the reach, solved for the share.
+        at = fovea.table.y * (1.0 - sqrt(1.0 - at / fovea.table.y));
+    }
     float knot = min(floor(at), fovea.table.y - 1.0);
     return mix(forward_table[uint(knot)], forward_table[uint(knot) + 1u], at - knot);
 }

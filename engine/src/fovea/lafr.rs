@@ -58,6 +58,16 @@ const EXPONENT_RANGE: (f64, f64) = (0.1, 0.9);
 /// nearer to that corner than any pixel's centre.
 const LEAST_GAP: f64 = 1e-12;
 
+/// A gaze farther off than this many of the display's diagonals from its centre is moved onto that circle.
+/// The kernel is steep at the farthest corner; seen from farther away all of the display lies there, between
+/// two angles that the shaders' single precision hardly tells apart.
+const MOST_DIAGONALS: f64 = 4.0;
+
+fn within_reach_px(display: &DisplayGeometry, gaze_px: DVec2) -> DVec2 {
+    let centre_px = display.center_px();
+    centre_px + (gaze_px - centre_px).clamp_length_max(MOST_DIAGONALS * 2.0 * centre_px.length())
+}
+
 /// Parameters of [`LafrMapping`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LafrParams {
@@ -200,7 +210,7 @@ impl LafrMapping {
 
     /// Changes the gaze; the LP-buffer keeps its size, and nothing is allocated.
     pub fn retarget(&mut self, gaze_px: DVec2) {
-        self.gaze_px = gaze_in_use_px(self.display.size_px, gaze_px);
+        self.gaze_px = within_reach_px(&self.display, gaze_in_use_px(self.display.size_px, gaze_px));
         self.reach_px = reach_px(&self.display, self.gaze_px);
         self.log_reach = self.reach_px.ln();
         self.kernel = LafrKernel::new(self.boundary_radius_px(), self.log_reach, &self.params);
@@ -317,5 +327,10 @@ impl RadialMapping for LafrMapping {
 
     fn columns_in_use(&self) -> u32 {
         self.columns.size()[0]
+    }
+
+    /// The arc sine's.
+    fn ends_like_a_root(&self) -> bool {
+        true
     }
 }

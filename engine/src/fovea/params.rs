@@ -62,7 +62,8 @@ pub struct FoveaParams {
     /// Methods by axes: where the finer of two layers is used, px: x0, y0, x1, y1.
     pub layer_rect: [f32; 4],
     /// Methods by axes: bands inside those two rectangles in which they pass over to what lies outside
-    /// (px), columns of the finer layer, where the coarser layer begins in the forward table.
+    /// (px), columns of the finer layer, where the coarser layer begins in the forward table. Radial
+    /// methods: 1 for knots that are dense at the end, else 0.
     pub axes: [f32; 4],
 }
 
@@ -172,6 +173,7 @@ impl FoveaParams {
                 pixel.recip() as f32,
                 INVERSE_NATIVE_BAND,
             ],
+            axes: [f32::from(u8::from(mapping.ends_like_a_root())), 0.0, 0.0, 0.0],
             ..Self::zeroed()
         }
         .with_disc(f64::from(hole_px) + 1.0)

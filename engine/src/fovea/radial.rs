@@ -22,6 +22,12 @@ pub trait RadialMapping: Mapping {
 
     /// How many columns this gaze uses: those up to the display's farthest corner.
     fn columns_in_use(&self) -> u32;
+
+    /// Whether the column coordinate ends like a root, with a slope without bounds: the forward table's
+    /// knots are then dense at the farthest corner, where it is even in a root of the distance to the end.
+    fn ends_like_a_root(&self) -> bool {
+        false
+    }
 }
 
 /// Knots of the forward table. Between them the shader interpolates linearly; with these the error is
@@ -52,7 +58,8 @@ pub fn fill_forward(mapping: &impl RadialMapping, knots: &mut [ForwardKnot]) {
     let reach = forward_reach(mapping);
     let last = (knots.len() - 1) as f64;
     for (index, knot) in knots.iter_mut().enumerate() {
-        let abscissa = reach * index as f64 / last;
+        let share = index as f64 / last;
+        let abscissa = reach * if mapping.ends_like_a_root() { share * (2.0 - share) } else { share };
         let ecc_rad = 2.0 * (abscissa * abscissa).atan();
         *knot = [mapping.column_of_eccentricity(ecc_rad) as f32, native_density(mapping, ecc_rad)];
     }
