@@ -219,13 +219,17 @@ fn solve_polynomial(beta: &[f64; MAX_COEFFICIENTS], y: f64) -> f64 {
         } else {
             high = x;
         }
-        let newton = x - miss / horner(&slope, x);
-        // A slope of 0 makes this infinite or NaN, which the comparisons sort out.
-        let quick = newton > low && newton < high && (newton - x).abs() < 0.5 * last_step;
+        // A slope of 0 makes the step infinite or NaN, which the comparisons sort out.
+        let step = miss / horner(&slope, x);
+        // What the rounding of the terms may move the root by.
+        if step.abs() <= 4.0 * f64::EPSILON * x {
+            return (x - step).clamp(low, high);
+        }
+        let newton = x - step;
+        let quick = newton > low && newton < high && step.abs() < 0.5 * last_step;
         let next = if quick { newton } else { (low * high).sqrt() };
         last_step = (next - x).abs();
-        // What the rounding of eight terms may move the root by.
-        if last_step <= 4.0 * f64::EPSILON * x {
+        if last_step <= f64::EPSILON * x {
             return next;
         }
         x = next;

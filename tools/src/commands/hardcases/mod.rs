@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::output;
 use clap::Args;
 use family::{Family, Part, Place};
-use report::{Report, Vacuous};
+use report::{LeftOut, Report};
 use run::{Chosen, FamilyResult};
 use serde::Serialize;
 
@@ -78,9 +78,9 @@ fn report_of(chosen: &[Chosen]) -> Result<Report, Failure> {
     let (bench, families, failed) = run::run(chosen)?;
     let device = bench.device_in_use();
     let sum = |of: fn(&FamilyResult) -> usize| families.iter().map(of).sum();
-    let with_sequences =
-        chosen.iter().any(|chosen| chosen.as_a_whole && chosen.family.part == Part::Temporal);
-    let vacuous = picture::VACUOUS.map(|(name, why)| Vacuous { name, why });
+    let left_out = [mapping::LEFT_OUT].into_iter().chain(picture::LEFT_OUT);
+    // Of a single case there is nothing to say.
+    let told = chosen.iter().any(|chosen| chosen.as_a_whole && chosen.family.place == Place::Gpu);
     Ok(Report {
         device: device.map(|device| device.name().to_owned()),
         driver: device.map(|device| device.driver().to_owned()),
@@ -91,7 +91,7 @@ fn report_of(chosen: &[Chosen]) -> Result<Report, Failure> {
         seconds: families.iter().map(|family| family.seconds).sum(),
         families,
         failed,
-        vacuous: if with_sequences { vacuous.to_vec() } else { Vec::new() },
+        left_out: left_out.filter(|_| told).map(|(name, why)| LeftOut { name, why }).collect(),
     })
 }
 

@@ -4,12 +4,12 @@ use super::run::{Failed, FamilyResult};
 use crate::output::{grouped, table};
 use serde::Serialize;
 
-/// A case of the catalogue that the engine has nothing for.
+/// A case of the catalogue that is not run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Vacuous {
+pub struct LeftOut {
     /// What the catalogue names.
     pub name: &'static str,
-    /// Why there is nothing to run.
+    /// Why there is no case.
     pub why: &'static str,
 }
 
@@ -34,8 +34,8 @@ pub struct Report {
     pub families: Vec<FamilyResult>,
     /// The failures.
     pub failed: Vec<Failed>,
-    /// What there is no case for yet.
-    pub vacuous: Vec<Vacuous>,
+    /// What there is no case for.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// For people.
@@ -49,7 +49,7 @@ pub fn text(report: &Report) -> String {
     for family in report.families.iter().filter(|family| family.without_checks > 0) {
         text += &format!("{:<18} {} cases with nothing to compare\n", family.name, family.without_checks);
     }
-    for Vacuous { name, why } in &report.vacuous {
+    for LeftOut { name, why } in &report.left_out {
         text += &format!("no case: {name}: {why}\n");
     }
     if let (Some(device), Some(driver)) = (&report.device, &report.driver) {

@@ -16,6 +16,8 @@ use super::subject::{Gaze, Layout, Subject, gazes, methods, screens};
 use glam::DVec2;
 use macula::fovea::{DisplayGeometry, Mapping};
 
+pub use gpu::LEFT_OUT;
+
 /// The families of this part.
 pub fn families() -> Vec<Family> {
     let parts = [

@@ -12,6 +12,10 @@ mod stage;
 
 use super::family::Family;
 
+/// What the catalogue names and no case can have.
+pub const LEFT_OUT: [(&str, &str); 4] =
+    [reconstruction::LEFT_OUT, sequences::LEFT_OUT[0], sequences::LEFT_OUT[1], sequences::LEFT_OUT[2]];
+
 /// The families of these parts.
 pub fn families() -> Vec<Family> {
     let parts = [
@@ -23,5 +27,3 @@ pub fn families() -> Vec<Family> {
     ];
     parts.into_iter().flatten().collect()
 }
-
-pub use sequences::VACUOUS;

@@ -17,7 +17,7 @@ use macula::settings::Method;
 
 /// What the catalogue names and the engine does not have: name and reason. The family `history` fails once
 /// a pass keeps something from frame to frame.
-pub const VACUOUS: [(&str, &str); 3] = [
+pub const LEFT_OUT: [(&str, &str); 3] = [
     ("history after jumps, cuts and disocclusion", "no pass reads what an earlier frame left"),
     ("a NaN in the history", "there is no history"),
     (
