@@ -232,10 +232,7 @@ impl FoveaParams {
 /// A rectangle that goes on where it ends at the display's edge: pixels there blend with nothing outside.
 fn beyond_edges([low, high]: [DVec2; 2], size_px: DVec2) -> [DVec2; 2] {
     const FAR_PX: DVec2 = DVec2::splat(1e9);
-    [
-        DVec2::select(low.cmple(DVec2::ZERO), -FAR_PX, low),
-        DVec2::select(high.cmpge(size_px), FAR_PX, high),
-    ]
+    [DVec2::select(low.cmple(DVec2::ZERO), -FAR_PX, low), DVec2::select(high.cmpge(size_px), FAR_PX, high)]
 }
 
 fn kind(kernel: &Kernel) -> u32 {

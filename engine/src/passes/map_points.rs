@@ -111,8 +111,7 @@ impl PointMapper {
         let make = |name: &str, size, usage, location| Buffer::new(context, name, size, usage, location);
         let points_size = (size_of::<[f32; 4]>() * POINTS_AT_A_TIME) as u64;
         let knots_size = size_of::<ForwardKnot>() as u64 * room.knots;
-        let fovea =
-            make("fovea of points", size_of::<FoveaParams>() as u64, uniform, Location::Upload)?;
+        let fovea = make("fovea of points", size_of::<FoveaParams>() as u64, uniform, Location::Upload)?;
         let table_location = if room.computed { Location::Gpu } else { Location::Upload };
         let lp_tables = make("lp tables of points", room.table_bytes, storage, table_location)?;
         let forward = make("forward table of points", knots_size, storage, Location::Upload)?;
@@ -137,12 +136,7 @@ impl PointMapper {
     ///
     /// # Errors
     /// [`crate::Error::DeviceLost`] and [`crate::Error::Vulkan`].
-    pub fn map(
-        &mut self,
-        tables: &PointTables<'_>,
-        way: Way,
-        points: &[[f32; 4]],
-    ) -> Result<Vec<[f32; 4]>> {
+    pub fn map(&mut self, tables: &PointTables<'_>, way: Way, points: &[[f32; 4]]) -> Result<Vec<[f32; 4]>> {
         self.fovea.write(0, &[tables.params]);
         self.forward.write(0, tables.forward);
         if let Some(rows) = tables.lp_tables {

@@ -26,8 +26,10 @@ use serde::Serialize;
 /// Cases are the same in every run; a failure prints the command that runs it alone. Exits with 1 where
 /// there are failures.
 #[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  macula hardcases --subset\n  macula hardcases --family px-round-trip,seam\n  \
-                        macula hardcases --only px-round-trip:kfr/1280x720/corner\n  macula hardcases --list")]
+#[command(
+    after_help = "Examples:\n  macula hardcases --subset\n  macula hardcases --family px-round-trip,seam\n  \
+                        macula hardcases --only px-round-trip:kfr/1280x720/corner\n  macula hardcases --list"
+)]
 pub struct HardcasesArgs {
     /// Only these families
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
@@ -58,7 +60,11 @@ pub fn run(args: &HardcasesArgs, json: bool) -> Result<(), Failure> {
         return list(&chosen, json);
     }
     let report = report_of(&chosen)?;
-    if json { output::print_json(&report)? } else { output::print(&report::text(&report))? }
+    if json {
+        output::print_json(&report)?
+    } else {
+        output::print(&report::text(&report))?
+    }
     match report.failures {
         0 => Ok(()),
         failures => Err(Failure::environment(format!(
@@ -72,7 +78,7 @@ fn report_of(chosen: &[Chosen]) -> Result<Report, Failure> {
     let (bench, families, failed) = run::run(chosen)?;
     let device = bench.device_in_use();
     let sum = |of: fn(&FamilyResult) -> usize| families.iter().map(of).sum();
-    let left_out = [mapping::LEFT_OUT].into_iter().chain(picture::LEFT_OUT);
+    let left_out = [mapping::LEFT_OUT].into_iter().chain(picture::LEFT_OUT.concat());
     // Of a single case there is nothing to say.
     let told = chosen.iter().any(|chosen| chosen.as_a_whole && chosen.family.place == Place::Gpu);
     Ok(Report {
@@ -100,7 +106,8 @@ fn choose(args: &HardcasesArgs, families: Vec<Family>) -> Result<Vec<Chosen>, Fa
             return Err(Failure::usage(format!("there is no family `{name}`; there are {known}")));
         }
     }
-    let wanted = |family: &Family| args.family.is_empty() || args.family.iter().any(|name| name == family.name);
+    let wanted =
+        |family: &Family| args.family.is_empty() || args.family.iter().any(|name| name == family.name);
     let chosen = families.into_iter().filter(wanted).map(|family| {
         let mut cases = (family.cases)();
         cases.retain(|case| case.quick || !args.subset);
@@ -111,14 +118,17 @@ fn choose(args: &HardcasesArgs, families: Vec<Family>) -> Result<Vec<Chosen>, Fa
 
 fn only(id: &str, families: Vec<Family>) -> Result<Vec<Chosen>, Failure> {
     let Some((name, case)) = id.split_once(':') else {
-        return Err(Failure::usage(format!("`{id}` names no case; expected FAMILY:CASE, as --list prints them")));
+        return Err(Failure::usage(format!(
+            "`{id}` names no case; expected FAMILY:CASE, as --list prints them"
+        )));
     };
     let family = families.into_iter().find(|family| family.name == name);
     let found = family.and_then(|family| {
         let case = (family.cases)().into_iter().find(|found| found.id == case)?;
         Some(Chosen { family, cases: vec![case], as_a_whole: false })
     });
-    let found = found.ok_or_else(|| Failure::usage(format!("there is no case `{id}`; --list prints them all")))?;
+    let found =
+        found.ok_or_else(|| Failure::usage(format!("there is no case `{id}`; --list prints them all")))?;
     Ok(vec![found])
 }
 

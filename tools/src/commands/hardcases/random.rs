@@ -7,9 +7,9 @@ impl Random {
     /// Begins from a text: a case's id gives it numbers of its own, whichever other cases run.
     pub fn of(text: &str) -> Self {
         // FNV-1a, 64 bits: its published offset and prime.
-        let hash = text
-            .bytes()
-            .fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3));
+        let hash = text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+        });
         Self(hash)
     }
 

@@ -1,6 +1,6 @@
 //! What a run says: a table, or one JSON document.
 
-use super::run::{FamilyResult, Failed};
+use super::run::{Failed, FamilyResult};
 use crate::output::{grouped, table};
 use serde::Serialize;
 
@@ -40,7 +40,8 @@ pub struct Report {
 
 /// For people.
 pub fn text(report: &Report) -> String {
-    let mut text = table(&["family", "where", "cases", "worst", "bound", "unit", "failures", "s"], &rows(report));
+    let mut text =
+        table(&["family", "where", "cases", "worst", "bound", "unit", "failures", "s"], &rows(report));
     text.push('\n');
     for family in report.families.iter().filter(|family| family.worst != Some(0.0)) {
         text += &format!("{:<18} worst at {}\n", family.name, family.worst_at);
@@ -74,7 +75,7 @@ fn rows(report: &Report) -> Vec<Vec<String>> {
             family.name.to_owned(),
             if family.place == super::family::Place::Gpu { "GPU" } else { "CPU" }.to_owned(),
             grouped(family.cases as u64),
-            family.worst.map_or_else(|| "0 of no size".to_owned(), number),
+            family.worst.map_or_else(|| "inf".to_owned(), number),
             number(family.bound),
             family.unit.to_owned(),
             family.failures.to_string(),
@@ -99,9 +100,14 @@ mod tests {
 
     #[test]
     fn numbers_have_three_digits() {
-        for (value, expected) in
-            [(0.0, "0"), (0.5, "0.5"), (1.0, "1"), (0.012_34, "0.012"), (1.5e-7, "1.50e-7"), (123.456, "123.456")]
-        {
+        for (value, expected) in [
+            (0.0, "0"),
+            (0.5, "0.5"),
+            (1.0, "1"),
+            (0.012_34, "0.012"),
+            (1.5e-7, "1.50e-7"),
+            (123.456, "123.456"),
+        ] {
             assert_eq!(number(value), expected);
         }
     }

@@ -36,7 +36,9 @@ fn cases() -> Vec<Case> {
         }),
         // Slopes m at which (1/m) ln(1 + m e/omega) has no digits left.
         ("nearly-flat-1e-9", &[30.0], || AcuityModel::new(&[(0.0, 10.0), (30.0, 10.0 - 1e-9), (60.0, 4.0)])),
-        ("nearly-flat-1e-14", &[30.0], || AcuityModel::new(&[(0.0, 10.0), (30.0, 10.0 - 1e-14), (60.0, 4.0)])),
+        ("nearly-flat-1e-14", &[30.0], || {
+            AcuityModel::new(&[(0.0, 10.0), (30.0, 10.0 - 1e-14), (60.0, 4.0)])
+        }),
         ("steep", &[1e-3], || AcuityModel::new(&[(0.0, 1e4), (1e-3, 1.0), (180.0, 1e-3)])),
         ("pivot-at-90", &[60.0, 90.0], || AcuityModel::new(&[(0.0, 40.0), (60.0, 4.0), (90.0, 3.0)])),
     ];
@@ -98,7 +100,9 @@ fn check(model: &AcuityModel, pivots_deg: &[f64]) -> Result<Finding, Failure> {
         (last_deg, last_u) = (ecc_deg, u);
     }
     for odd in [f64::NAN, f64::NEG_INFINITY, -1.0, 181.0, f64::INFINITY] {
-        for value in [model.mar_deg(odd), model.columns_to(odd), model.eccentricity_deg(odd), model.delta(odd)] {
+        for value in
+            [model.mar_deg(odd), model.columns_to(odd), model.eccentricity_deg(odd), model.delta(odd)]
+        {
             finding.finite(value, || format!("a value at {odd}"));
         }
     }

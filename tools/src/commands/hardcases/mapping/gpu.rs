@@ -4,8 +4,8 @@ use super::super::bench::Bench;
 use super::super::family::{Case, Family, Finding, Part, Place};
 use super::super::random::Random;
 use super::super::subject::{Gaze, Layout, Screen, Subject, gazes, methods, on_display, screens};
-use super::points::{extent_at_px, pixel_centres};
 use super::at_px;
+use super::points::{extent_at_px, pixel_centres};
 use crate::failure::Failure;
 use glam::DVec2;
 use macula::fovea::{LpPoint, MAX_GAZE_PX, Mapping};
@@ -66,7 +66,15 @@ pub fn families() -> Vec<Family> {
 /// Displays that are mapped on the GPU; the first ones with every method's hardest parameters too. The others
 /// of the catalogue differ from these in ways that only the CPU's double precision would show.
 const SCREENS: [&str; 10] = [
-    "11520x6480", "1280x720", "asymmetric", "1x1", "13x17", "101x103", "3840x2160", "11520x16", "wide-178deg",
+    "11520x6480",
+    "1280x720",
+    "asymmetric",
+    "1x1",
+    "13x17",
+    "101x103",
+    "3840x2160",
+    "11520x16",
+    "wide-178deg",
     "anisotropic",
 ];
 

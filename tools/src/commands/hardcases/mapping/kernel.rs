@@ -67,7 +67,12 @@ fn sum_of_powers(random: &mut Random) -> Result<Finding, Failure> {
 }
 
 fn check(kernel: &Kernel, start: Option<Start>, finding: &mut Finding) {
-    let ends = [(kernel.eval(0.0), 0.0), (kernel.eval(1.0), 1.0), (kernel.inverse(0.0), 0.0), (kernel.inverse(1.0), 1.0)];
+    let ends = [
+        (kernel.eval(0.0), 0.0),
+        (kernel.eval(1.0), 1.0),
+        (kernel.inverse(0.0), 0.0),
+        (kernel.inverse(1.0), 1.0),
+    ];
     for (found, expected) in ends {
         finding.holds(found == expected, || format!("{found} instead of {expected} at an end"));
     }

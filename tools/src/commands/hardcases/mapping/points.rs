@@ -29,7 +29,9 @@ pub fn pixel_centres(display: &DisplayGeometry, gaze_px: DVec2, random: &mut Ran
         pixels.extend([near + DVec2::X * reach, near - DVec2::X * reach, near + DVec2::new(reach, -1.0)]);
         pixels.push(near + DVec2::from_angle(2.4 * f64::from(step)) * reach);
     }
-    pixels.extend((0..DRAWN).map(|_| DVec2::new(f64::from(random.below(width)), f64::from(random.below(height)))));
+    pixels.extend(
+        (0..DRAWN).map(|_| DVec2::new(f64::from(random.below(width)), f64::from(random.below(height)))),
+    );
     pixels.retain(|px| px.cmpge(DVec2::ZERO).all() && px.cmplt(last + 1.0).all());
     pixels.into_iter().map(|px| px.floor() + 0.5).collect()
 }
@@ -64,7 +66,11 @@ mod tests {
             assert!(points.len() >= (size[0] * size[1]).min(100) as usize);
             for point in points {
                 assert_eq!(point.fract(), DVec2::splat(0.5));
-                assert!(point.cmpgt(DVec2::ZERO).all() && point.x < f64::from(size[0]) && point.y < f64::from(size[1]));
+                assert!(
+                    point.cmpgt(DVec2::ZERO).all()
+                        && point.x < f64::from(size[0])
+                        && point.y < f64::from(size[1])
+                );
             }
         }
     }

@@ -49,7 +49,8 @@ fn angles(display: &DisplayGeometry, gaze_px: DVec2, px: DVec2, finding: &mut Fi
     let found = display.eccentricity_rad(gaze_px, px);
     // Next to the gaze the independent form has no digits left.
     if expected > 1e-6 {
-        finding.error((found / expected - 1.0).abs(), || format!("{} from gaze {}", at_px(px), at_px(gaze_px)));
+        finding
+            .error((found / expected - 1.0).abs(), || format!("{} from gaze {}", at_px(px), at_px(gaze_px)));
     } else {
         finding.holds((0.0..=2e-6).contains(&found), || format!("{found} rad at {}", at_px(px)));
     }
@@ -64,5 +65,6 @@ fn behind(display: &DisplayGeometry, finding: &mut Finding) {
         }
     }
     let nearly_along = display.px_of_ray(DVec3::new(1.0, 1.0, -1e-308));
-    finding.holds(nearly_along.is_none_or(DVec2::is_finite), || "a ray along the display overflows".to_owned());
+    finding
+        .holds(nearly_along.is_none_or(DVec2::is_finite), || "a ray along the display overflows".to_owned());
 }

@@ -62,7 +62,7 @@ fn in_range(mapping: &dyn Mapping, point: LpPoint) -> bool {
     (0.0..=columns).contains(&point.u) && (0.0..1.0).contains(&point.v_share)
 }
 
-fn finite(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
+pub(super) fn finite(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     let gaze_px = mapping.gaze_px();
     finding.finite(gaze_px.x + gaze_px.y, || "the gaze in use".to_owned());
     let mut positions = situation.pixel_centres(mapping);
@@ -92,7 +92,8 @@ fn finite(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
 /// From every kind of column and row, also outside the LP-buffer.
 fn finite_columns(mapping: &dyn Mapping, finding: &mut Finding) {
     let columns = mapping.columns().heights().len() as f64;
-    for u in [-1e12, -1.0, 0.0, 5e-324, 0.5, 1.0, columns / 2.0, columns.next_down(), columns, columns + 1e9] {
+    for u in [-1e12, -1.0, 0.0, 5e-324, 0.5, 1.0, columns / 2.0, columns.next_down(), columns, columns + 1e9]
+    {
         let height = mapping.column_height(u);
         finding.finite(height, || format!("the height at column {u}"));
         finding.holds(height >= 0.0, || format!("the height at column {u} is {height}"));
@@ -108,7 +109,7 @@ fn finite_columns(mapping: &dyn Mapping, finding: &mut Finding) {
 const NEAR_PX: [f64; 12] =
     [0.0, 5e-324, 1e-300, 1e-12, 1e-3, 0.5, 1.0 - 1e-15, 1.0, 1.0 + 1e-15, 1.5, 2.5, 4.0];
 
-fn around_the_gaze(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
+pub(super) fn around_the_gaze(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     let gaze_px = mapping.gaze_px();
     for px in situation.pixel_centres(mapping) {
         let texel = extent_at_px(mapping, px).is_some();
@@ -131,7 +132,7 @@ fn around_the_gaze(situation: &Situation, mapping: &dyn Mapping, finding: &mut F
     }
 }
 
-fn monotone(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
+pub(super) fn monotone(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     match situation.subject.layout() {
         Layout::Polar => outwards(mapping, finding),
         Layout::Axes => across(situation, mapping, 0, finding),
@@ -141,8 +142,8 @@ fn monotone(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding)
 }
 
 fn outwards(mapping: &dyn Mapping, finding: &mut Finding) {
-    const DIRECTIONS: u32 = 12;
-    const STEPS: i32 = 160;
+    const DIRECTIONS: u32 = 4;
+    const STEPS: i32 = 600;
     let reach_px = 1.1 * mapping.display().farthest_corner_px(mapping.gaze_px());
     for direction in 0..DIRECTIONS {
         // Off the axes by a little, so that no direction is special.
@@ -195,7 +196,9 @@ fn seam(subject: &Subject, screen: &Screen) -> Result<Finding, Failure> {
     let mut finding = Finding::default();
     let [width, height] = screen.display.size_px.map(f64::from);
     // In the first row the offsets from the seam can be as small as doubles are.
-    for gaze_px in [DVec2::new(width / 3.0, 0.0), DVec2::new(0.0, height / 2.0), DVec2::new(-5.0, 0.25 * height)] {
+    for gaze_px in
+        [DVec2::new(width / 3.0, 0.0), DVec2::new(0.0, height / 2.0), DVec2::new(-5.0, 0.25 * height)]
+    {
         let mapping = subject.mapping(&screen.display, gaze_px)?;
         for share in [0.01, 0.1, 0.5, 1.0] {
             let px = gaze_px + DVec2::X * (share * (width - gaze_px.x)).max(4.0);
@@ -211,7 +214,7 @@ fn seam(subject: &Subject, screen: &Screen) -> Result<Finding, Failure> {
 }
 
 /// Both sides of a point on the seam, against the slope there.
-fn across_seam(mapping: &dyn Mapping, px: DVec2, offset_px: f64, finding: &mut Finding) {
+pub(super) fn across_seam(mapping: &dyn Mapping, px: DVec2, offset_px: f64, finding: &mut Finding) {
     let (above_px, below_px) = (px - DVec2::Y * offset_px, px + DVec2::Y * offset_px);
     let sides = (mapping.forward(above_px), mapping.forward(below_px));
     let (Some(above), Some(below)) = sides else { return };

@@ -1,6 +1,8 @@
 //! Scenes with one extreme each.
 
-use super::scenes::{add, at, lamp, light, mesh, one, pattern, quad, sun, texture, unlit, vertex, white, with};
+use super::scenes::{
+    add, at, lamp, light, mesh, one, pattern, quad, sun, texture, unlit, vertex, white, with,
+};
 use glam::{DMat4, DVec3, Vec2, Vec3};
 use macula::Result;
 use macula::fovea::DisplayGeometry;
@@ -28,7 +30,9 @@ pub const SCENES: [(&str, Build); 17] = [
     ("depth-1e-3-to-1e5m", |_| Ok(depths().into())),
     ("origin-1e6m-away", |display| Ok(far_from_origin(display))),
     ("normals-of-length-0", |_| Ok(lit(with(wall(), |vertex| vertex.normal = Vec3::ZERO)).into())),
-    ("normals-cancelling", |_| Ok(lit(with(wall(), |vertex| vertex.normal *= vertex.position.x.signum())).into())),
+    ("normals-cancelling", |_| {
+        Ok(lit(with(wall(), |vertex| vertex.normal *= vertex.position.x.signum())).into())
+    }),
     ("grazing", |_| Ok(grazing().into())),
     ("mirrored-uv", |_| Ok(bumpy(with(wall(), |vertex| vertex.uv0.x = -vertex.uv0.x)).into())),
     ("tangents-of-length-0", |_| Ok(bumpy(with(wall(), |vertex| vertex.tangent = [0.0; 4])).into())),
@@ -116,7 +120,7 @@ fn grazing() -> Scene {
 /// A wall with a normal map of steep bumps.
 pub fn bumpy(surface: macula::scene::Mesh) -> Scene {
     let mut scene = lit(surface);
-    let steep = |x: u32, y: u32| if (x + y) % 2 == 0 { [250, 128, 150] } else { [128, 5, 150] };
+    let steep = |x: u32, y: u32| if (x + y).is_multiple_of(2) { [250, 128, 150] } else { [128, 5, 150] };
     scene.materials[0].normal_texture = Some(texture(&mut scene, [16, 16], false, steep));
     scene
 }
@@ -205,10 +209,18 @@ fn triangles(corners: &[[f32; 3]]) -> macula::scene::Mesh {
 fn degenerate() -> Scene {
     let mut scene = lit(wall());
     let corners = [
-        [0.1, 0.1, 0.0], [0.1, 0.1, 0.0], [0.1, 0.1, 0.0],
-        [-0.5, 0.0, 0.0], [0.0, 0.0, 0.0], [0.5, 0.0, 0.0],
-        [0.3, 0.3, 0.0], [0.3, 0.3, 0.0], [-0.3, 0.3, 0.0],
-        [0.0, 1e-40, 0.0], [1e-40, 0.0, 0.0], [0.0, 0.0, 1e-40],
+        [0.1, 0.1, 0.0],
+        [0.1, 0.1, 0.0],
+        [0.1, 0.1, 0.0],
+        [-0.5, 0.0, 0.0],
+        [0.0, 0.0, 0.0],
+        [0.5, 0.0, 0.0],
+        [0.3, 0.3, 0.0],
+        [0.3, 0.3, 0.0],
+        [-0.3, 0.3, 0.0],
+        [0.0, 1e-40, 0.0],
+        [1e-40, 0.0, 0.0],
+        [0.0, 0.0, 1e-40],
     ];
     add(&mut scene, triangles(&corners), at(0.0, 0.0, -1.0), white(0.0, 0.5));
     scene

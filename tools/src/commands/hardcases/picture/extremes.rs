@@ -229,7 +229,16 @@ fn stretched(by_transform: bool) -> Scene {
 /// A wall of its size in the world, whatever its mesh's.
 fn scaled(scale: f64) -> Scene {
     let half = (3.0 / scale) as f32;
-    let mut scene = wall_scene(quad(half, half), at(0.0, 0.0, -1.5) * DMat4::from_scale(DVec3::splat(scale)), white(0.3, 0.4));
-    add(&mut scene, quad(half, half), at(0.0, 0.0, -9.0) * DMat4::from_scale(DVec3::splat(scale)), white(0.0, 1.0));
+    let mut scene = wall_scene(
+        quad(half, half),
+        at(0.0, 0.0, -1.5) * DMat4::from_scale(DVec3::splat(scale)),
+        white(0.3, 0.4),
+    );
+    add(
+        &mut scene,
+        quad(half, half),
+        at(0.0, 0.0, -9.0) * DMat4::from_scale(DVec3::splat(scale)),
+        white(0.0, 1.0),
+    );
     scene
 }

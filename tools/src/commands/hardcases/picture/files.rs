@@ -54,11 +54,16 @@ fn cases() -> Vec<Case> {
         ("node-scale-nan", "\"nodes\":[{\"mesh\":0,\"scale\":[NaN,1,1]}]"),
         ("node-translation-infinity", "\"nodes\":[{\"mesh\":0,\"translation\":[Infinity,0,0]}]"),
         ("emissive-factor", "\"materials\":[{\"emissiveFactor\":[1e999,0,0]}]"),
-        ("light-intensity", "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"intensity\":1e999}]}}"),
+        (
+            "light-intensity",
+            "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"intensity\":1e999}]}}",
+        ),
     ];
-    cases.extend(numbers.map(|(name, text)| {
-        Case::new(name, true, move |_| check(&file(None, Some(text)), Fate::Refused))
-    }));
+    cases.extend(
+        numbers.map(|(name, text)| {
+            Case::new(name, true, move |_| check(&file(None, Some(text)), Fate::Refused))
+        }),
+    );
     cases.push(Case::new("sound", true, |_| sound()));
     cases
 }
@@ -105,7 +110,8 @@ fn file(bad: Option<(usize, f32)>, replaced: Option<&str>) -> String {
 
 fn check(text: &str, fate: Fate) -> Result<Finding, Failure> {
     let mut finding = Finding::default();
-    let folder = tempfile::tempdir().map_err(|error| Failure::environment(format!("no temporary folder: {error}")))?;
+    let folder =
+        tempfile::tempdir().map_err(|error| Failure::environment(format!("no temporary folder: {error}")))?;
     let path = folder.path().join("hard.gltf");
     std::fs::write(&path, text).map_err(|error| macula::Error::io(&path, error))?;
     match load(&path, &LoadOptions::default()) {
@@ -128,7 +134,8 @@ fn check(text: &str, fate: Fate) -> Result<Finding, Failure> {
 /// The file that the others are changed from loads as it is.
 fn sound() -> Result<Finding, Failure> {
     let mut finding = Finding::default();
-    let folder = tempfile::tempdir().map_err(|error| Failure::environment(format!("no temporary folder: {error}")))?;
+    let folder =
+        tempfile::tempdir().map_err(|error| Failure::environment(format!("no temporary folder: {error}")))?;
     let path = folder.path().join("sound.gltf");
     std::fs::write(&path, file(None, None)).map_err(|error| macula::Error::io(&path, error))?;
     let scene = load(&path, &LoadOptions::default())?;
@@ -142,7 +149,8 @@ fn all_finite(scene: &Scene, finding: &mut Finding) {
     let mut bad = 0;
     for vertex in scene.meshes.iter().flat_map(|mesh| &mesh.vertices) {
         let tangent = vertex.tangent.iter().all(|value| value.is_finite());
-        let whole = vertex.position.is_finite() && vertex.normal.is_finite() && tangent && vertex.uv0.is_finite();
+        let whole =
+            vertex.position.is_finite() && vertex.normal.is_finite() && tangent && vertex.uv0.is_finite();
         bad += u32::from(!whole);
     }
     for instance in &scene.instances {

@@ -125,7 +125,7 @@ fn every_gaze(
     for gaze in rendered_gazes(display) {
         let frame = frame(&mut renderer, display.size_px, &looking_ahead(gaze.px))?;
         frame.whole(&mut finding, &format!("gaze {}", gaze.name));
-        let held = frame.stats.gaze_held == !gaze.px.is_finite();
+        let held = frame.stats.gaze_held != gaze.px.is_finite();
         finding.holds(held, || format!("gaze {}: held is {}", gaze.name, frame.stats.gaze_held));
     }
     Ok(finding)

@@ -53,13 +53,9 @@ pub fn families() -> Vec<Family> {
             "px",
             || cases(|subject| subject.layout() == Layout::Polar, 2, &["vafr-planar"], seams),
         ),
-        family(
-            "ring",
-            "no step where native pixels and the LP-buffer meet",
-            RING_PX,
-            "px",
-            || cases(|_| true, 2, &["kfr", "vafr"], rings),
-        ),
+        family("ring", "no step where native pixels and the LP-buffer meet", RING_PX, "px", || {
+            cases(|_| true, 2, &["kfr", "vafr"], rings)
+        }),
     ]
 }
 
@@ -117,16 +113,14 @@ impl Ramp<'_> {
         // Layers do not run into each other; elsewhere the first and the last column end the buffer.
         let own = heights[(point.u as usize).min(heights.len() - 1)];
         let nearest = (column.max(0.0) as usize).min(heights.len() - 1);
-        let nearest = if self.layout == Layout::Layers && heights[nearest] != own {
-            point.u as usize
-        } else {
-            nearest
-        };
+        let nearest =
+            if self.layout == Layout::Layers && heights[nearest] != own { point.u as usize } else { nearest };
         let rows = f64::from(heights[nearest]);
         let at = point.v_share * rows - 0.5;
         let share = at - at.floor();
         let [first, second] = [at.floor(), at.floor() + 1.0].map(|row| {
-            let row = if self.layout == Layout::Polar { row.rem_euclid(rows) } else { row.clamp(0.0, rows - 1.0) };
+            let row =
+                if self.layout == Layout::Polar { row.rem_euclid(rows) } else { row.clamp(0.0, rows - 1.0) };
             let texel = LpPoint { u: nearest as f64 + 0.5, v_share: (row + 0.5) / rows };
             // Texels off the display take its border's pixel.
             let taken = |px: DVec2| px.clamp(DVec2::splat(0.5), self.size_px() - 0.5);
@@ -166,8 +160,10 @@ fn cases(wanted: fn(&Subject) -> bool, most: usize, quick: &[&str], check: Check
 }
 
 /// What there is no case for, and why.
-pub const LEFT_OUT: (&str, &str) =
-    ("the ramp with LaFR", "its filter over the LP-buffer, which cannot be switched off, moves values by itself");
+pub const LEFT_OUT: (&str, &str) = (
+    "the ramp with LaFR",
+    "its filter over the LP-buffer, which cannot be switched off, moves values by itself",
+);
 
 /// A method without the filter that spreads samples over several texels, where that can be switched off.
 fn plain_method(method: &Method) -> Method {
@@ -185,7 +181,12 @@ fn plain(display: &DisplayGeometry, method: &Method) -> RenderSettings {
     RenderSettings { footprint: false, ..settings(display, &plain_method(method)) }
 }
 
-fn run(bench: &Bench, subject: &Subject, display: &DisplayGeometry, check: Check) -> Result<Finding, Failure> {
+fn run(
+    bench: &Bench,
+    subject: &Subject,
+    display: &DisplayGeometry,
+    check: Check,
+) -> Result<Finding, Failure> {
     let mut finding = Finding::default();
     let content = upload(bench, &ramp(display), None)?;
     let mut renderer = OffscreenRenderer::new(bench.device()?, &content, &plain(display, &subject.method))?;
@@ -243,7 +244,7 @@ fn rings(ramp: &Ramp, finding: &mut Finding) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use macula::fovea::{KfrColumns, Kernel};
+    use macula::fovea::{Kernel, KfrColumns};
 
     /// A picture in which each pixel holds its own place, moved.
     fn planted(moved_px: impl Fn(DVec2) -> DVec2) -> Finding {
@@ -273,7 +274,8 @@ mod tests {
 
     #[test]
     fn a_planted_shift_seam_and_step_are_found() {
-        let shift = planted(|px| if px == DVec2::new(50.5, 40.5) { DVec2::new(0.0, -3.0) } else { DVec2::ZERO });
+        let shift =
+            planted(|px| if px == DVec2::new(50.5, 40.5) { DVec2::new(0.0, -3.0) } else { DVec2::ZERO });
         assert!((shift.worst - 3.0).abs() < 0.3 && shift.at.contains("50.5, 40.5"), "{shift:?}");
         let seam = planted(|px| if px.y == 24.5 && px.x > 32.0 { DVec2::new(0.0, 0.8) } else { DVec2::ZERO });
         assert!(seam.worst > 0.6, "{seam:?}");

@@ -2,7 +2,9 @@
 
 use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
 use macula::fovea::DisplayGeometry;
-use macula::scene::{Instance, Light, LightKind, Material, Mesh, Sampler, Scene, Texture, TextureUse, Vertex};
+use macula::scene::{
+    Instance, Light, LightKind, Material, Mesh, Sampler, Scene, Texture, TextureUse, Vertex,
+};
 
 /// A vertex of a surface that faces `+Z`, white.
 pub fn vertex(position: Vec3, uv: Vec2) -> Vertex {
@@ -97,7 +99,12 @@ pub fn sun(lux: f32) -> Light {
 }
 
 /// Adds a texture and says how it is used.
-pub fn texture(scene: &mut Scene, size: [u32; 2], srgb: bool, texel: impl Fn(u32, u32) -> [u8; 3]) -> TextureUse {
+pub fn texture(
+    scene: &mut Scene,
+    size: [u32; 2],
+    srgb: bool,
+    texel: impl Fn(u32, u32) -> [u8; 3],
+) -> TextureUse {
     let [width, height] = size;
     let texels = (0..width * height).flat_map(|index| {
         let [red, green, blue] = texel(index % width, index / width);

@@ -42,7 +42,9 @@ impl Frame {
         let in_picture = self.hdr.iter().filter(|value| !value.is_finite()).count() as u64;
         finding.non_finite = finding.non_finite.saturating_add(in_buffers.max(in_picture));
         let bad = holes as f64 + in_buffers.max(in_picture) as f64;
-        finding.error(bad, || format!("{what}: {in_buffers} values not finite, {holes} pixels without a sample"));
+        finding.error(bad, || {
+            format!("{what}: {in_buffers} values not finite, {holes} pixels without a sample")
+        });
     }
 
     /// As [`Self::whole`], where the family's error is another one.
@@ -72,7 +74,11 @@ pub fn looking_ahead(gaze_px: DVec2) -> FrameInput {
 }
 
 /// A scene in GPU memory.
-pub fn upload(bench: &Bench, scene: &Scene, environment: Option<&Environment>) -> Result<GpuContent, Failure> {
+pub fn upload(
+    bench: &Bench,
+    scene: &Scene,
+    environment: Option<&Environment>,
+) -> Result<GpuContent, Failure> {
     Ok(GpuContent::upload(bench.device()?, &Content::Scene { scene, environment })?)
 }
 
