@@ -7,7 +7,7 @@ use macula::headless::{FrameInput, OffscreenRenderer};
 use macula::quality::picture::Picture;
 use macula::quality::temporal::{self, RingVariance, TemporalVariance};
 use macula::scene::{Mesh, Sampler, Scene, Texture, TextureUse, Vertex};
-use macula::settings::{KfrSettings, Method, RenderSettings, VafrSettings};
+use macula::settings::{KfrSettings, LpFilter, Method, RenderSettings, VafrSettings};
 use macula_tests::scenes::{add, at, one, quad, sun, unlit, white};
 use macula_tests::{Frame, Gpu, ahead, gpu, kfr, next_frame, render, settings, upload};
 use std::sync::Arc;
@@ -322,7 +322,10 @@ fn highlights_do_not_flicker_more_than_in_full_shading() {
     let bumpy = wall(white(1.0, 0.25), map(256, rough_normals), Map::Normal, 2.0);
     for (what, scene) in [("normal map", bumpy), ("balls", balls())] {
         let full = rings(&gpu, &scene, &settings(SIZE, HFOV_DEG, Method::Full));
-        for (name, method) in [("vafr", vafr()), ("kfr", kfr(1.8, 4.0))] {
+        // Without the filter over the LP-buffer, which smooths edges by itself.
+        let unfiltered =
+            VafrSettings { acuity: low_acuity(), lp_filter: LpFilter::None, ..VafrSettings::default() };
+        for (name, method) in [("vafr", Method::Vafr(unfiltered)), ("kfr", kfr(1.8, 4.0))] {
             let [with, without] = [true, false].map(|footprint| {
                 let rings = rings(&gpu, &scene, &with_footprint(method.clone(), footprint));
                 temporal::ratio(&rings, &full).unwrap()

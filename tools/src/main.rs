@@ -51,6 +51,7 @@ enum Command {
     Bench(commands::bench::BenchCommand),
     Map(commands::map::MapArgs),
     Hardcases(commands::hardcases::HardcasesArgs),
+    Rates(commands::rates::RatesArgs),
     Replay(Box<commands::replay::ReplayArgs>),
     /// Eye trackers, recorded gaze, synthetic eyes and the latency budget
     #[command(subcommand)]
@@ -69,6 +70,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Bench(command) => commands::bench::run(command, cli.json),
         Command::Map(args) => commands::map::run(args, cli.json),
         Command::Hardcases(args) => commands::hardcases::run(args, cli.json),
+        Command::Rates(args) => commands::rates::run(args, cli.json),
         Command::Replay(args) => commands::replay::run(args, cli.json),
         Command::Gaze(command) => commands::gaze::run(command, cli.json),
         Command::Demo(args) => commands::demo::run(args, cli.json),

@@ -46,7 +46,7 @@ pub fn parse_within(text: &str, low: f64, high: f64) -> Result<f64, String> {
 }
 
 /// A display's preset.
-fn parse_display(text: &str) -> Result<&'static DisplayPreset, String> {
+pub fn parse_display(text: &str) -> Result<&'static DisplayPreset, String> {
     DisplayPreset::by_name(text).ok_or_else(|| {
         let names = DisplayPreset::all().iter().map(|preset| preset.name).collect::<Vec<_>>();
         format!("known are {}; `macula displays` shows them", names.join(", "))

@@ -109,6 +109,18 @@ impl AcuityArgs {
         given.into_iter().find_map(|(is_given, name)| is_given.then_some(name))
     }
 
+    /// The model in words.
+    pub fn label(&self) -> String {
+        let mut label = self.acuity.as_ref().map_or("vafr-2025".into(), |path| path.display().to_string());
+        if self.smooth_acuity {
+            label += ", smooth";
+        }
+        if let Some(scale) = self.acuity_scale {
+            label += &format!(", times {scale}");
+        }
+        label
+    }
+
     /// The model.
     ///
     /// # Errors

@@ -9,6 +9,7 @@ pub mod gaze;
 pub mod hardcases;
 pub mod info;
 pub mod map;
+pub mod rates;
 pub mod render;
 pub mod replay;
 pub mod scene;

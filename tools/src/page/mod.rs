@@ -210,7 +210,8 @@ fn source(png: &[u8]) -> String {
     format!(" src=\"data:image/png;base64,{}\"", base64::encode(png))
 }
 
-fn escaped(text: &str) -> String {
+/// Text as it may stand in HTML, in XML, and in their attributes.
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
