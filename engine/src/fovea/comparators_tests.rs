@@ -217,7 +217,7 @@ fn u_rises_without_a_jump_and_inverts() {
                 let reach_px = display.farthest_corner_px(all(display, gaze_px)[0].1.gaze_px()).max(2.0);
                 for params in [LafrParams::default(), LafrParams::RETINAL] {
                     let lafr = LafrMapping::new(display, gaze_px, params);
-                    // LaFR's gaze stays nearer.
+                    // It moves far gazes nearer than the other methods do.
                     let reach_px = display.farthest_corner_px(lafr.gaze_px()).max(2.0);
                     assert_eq!(lafr.reach_px(), reach_px);
                     check_radial(&lafr, reach_px, 1.0, |r| lafr.u_of_radius_px(r), |u| lafr.radius_px(u));

@@ -305,7 +305,8 @@ impl Mapping for LafrMapping {
     }
 }
 
-/// Circles of equal distance in pixels: eccentricities are those of [`GazeFrame::by_pixels`].
+/// Circles of equal distance in pixels: an eccentricity is the arc tangent of the
+/// distance in units of the display's distance.
 impl RadialMapping for LafrMapping {
     fn frame(&self) -> GazeFrame {
         GazeFrame::by_pixels(&self.display, self.gaze_px, tangent_per_px(&self.display))
