@@ -205,7 +205,7 @@ fn solve_polynomial(beta: &[f64; MAX_COEFFICIENTS], y: f64) -> f64 {
     let slope = slope_coefficients(beta);
     // No slope within 0..=1 is greater than the sum.
     let steepest: f64 = slope.iter().map(|coefficient| coefficient.abs()).sum();
-    let (mut low, mut high) = (y / steepest, 1.0_f64);
+    let (mut low, mut high) = (y / steepest.max(1.0), 1.0_f64);
     let (mut x, mut last_step) = (y, 1.0_f64);
     // Newton doubles the digits in each step. Where the first powers are missing it approaches a small
     // root by a constant factor only; halving the bracket's ratio takes 60 steps from any root.
@@ -223,7 +223,7 @@ fn solve_polynomial(beta: &[f64; MAX_COEFFICIENTS], y: f64) -> f64 {
         let step = miss / horner(&slope, x);
         // What the rounding of the terms may move the root by.
         if step.abs() <= 4.0 * f64::EPSILON * x {
-            return (x - step).clamp(low, high);
+            return (x - step).max(low).min(high);
         }
         let newton = x - step;
         let quick = newton > low && newton < high && step.abs() < 0.5 * last_step;

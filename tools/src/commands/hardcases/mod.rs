@@ -78,7 +78,7 @@ fn report_of(chosen: &[Chosen]) -> Result<Report, Failure> {
     let (bench, families, failed) = run::run(chosen)?;
     let device = bench.device_in_use();
     let sum = |of: fn(&FamilyResult) -> usize| families.iter().map(of).sum();
-    let left_out = [mapping::LEFT_OUT].into_iter().chain(picture::LEFT_OUT);
+    let left_out = [mapping::LEFT_OUT].into_iter().chain(picture::LEFT_OUT.concat());
     // Of a single case there is nothing to say.
     let told = chosen.iter().any(|chosen| chosen.as_a_whole && chosen.family.place == Place::Gpu);
     Ok(Report {

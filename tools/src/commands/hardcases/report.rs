@@ -75,7 +75,7 @@ fn rows(report: &Report) -> Vec<Vec<String>> {
             family.name.to_owned(),
             if family.place == super::family::Place::Gpu { "GPU" } else { "CPU" }.to_owned(),
             grouped(family.cases as u64),
-            family.worst.map_or_else(|| "0 of no size".to_owned(), number),
+            family.worst.map_or_else(|| "inf".to_owned(), number),
             number(family.bound),
             family.unit.to_owned(),
             family.failures.to_string(),

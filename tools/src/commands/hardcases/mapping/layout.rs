@@ -22,7 +22,7 @@ pub fn families() -> Vec<Family> {
     }]
 }
 
-fn columns(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
+pub(super) fn columns(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     let columns = mapping.columns();
     let (heights, offsets) = (columns.heights(), columns.offsets());
     finding.holds(!heights.is_empty(), || "there is no column".to_owned());

@@ -9,6 +9,8 @@ mod rate;
 mod rays;
 mod round_trip;
 mod shape;
+#[cfg(test)]
+mod tests;
 
 use super::family::{Case, Family, Finding};
 use super::random::Random;

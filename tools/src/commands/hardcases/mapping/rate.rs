@@ -79,7 +79,7 @@ fn least(errors: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     errors.flatten().reduce(f64::min)
 }
 
-fn jacobian(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
+pub(super) fn jacobian(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     for px in situation.pixel_centres(mapping) {
         let Some(analytic) = mapping.jacobian(px).filter(has_slope) else {
             continue;
@@ -121,7 +121,7 @@ fn directions(display: &DisplayGeometry, gaze_px: DVec2, ray: DVec3) -> Option<[
     Some([across.cross(ray), across])
 }
 
-fn rates(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
+pub(super) fn rates(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     let display = &situation.display;
     for px in situation.pixel_centres(mapping) {
         // On the border of the native region both counts hold.

@@ -54,7 +54,7 @@ fn round_trip_px(mapping: &dyn Mapping, px: DVec2) -> Option<f64> {
     Some(back.distance(px))
 }
 
-fn pixels(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
+pub(super) fn pixels(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     for px in situation.pixel_centres(mapping) {
         let extent_px = extent_at_px(mapping, px);
         if mapping.is_native(px) && extent_px.is_none() {
@@ -69,14 +69,14 @@ fn pixels(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     }
 }
 
-fn gazed_pixel(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
+pub(super) fn gazed_pixel(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     let px = pixel_of(&situation.display, situation.gaze_px);
     let native = mapping.is_native(px);
     let error_px = if native { Some(0.0) } else { round_trip_px(mapping, px) };
     finding.error(error_px.unwrap_or(f64::INFINITY), || at_px(px));
 }
 
-fn texels(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
+pub(super) fn texels(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     let mut random = situation.random();
     let heights = mapping.columns().heights();
     let count = heights.len() as u32;

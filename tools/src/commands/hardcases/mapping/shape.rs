@@ -62,7 +62,7 @@ fn in_range(mapping: &dyn Mapping, point: LpPoint) -> bool {
     (0.0..=columns).contains(&point.u) && (0.0..1.0).contains(&point.v_share)
 }
 
-fn finite(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
+pub(super) fn finite(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     let gaze_px = mapping.gaze_px();
     finding.finite(gaze_px.x + gaze_px.y, || "the gaze in use".to_owned());
     let mut positions = situation.pixel_centres(mapping);
@@ -109,7 +109,7 @@ fn finite_columns(mapping: &dyn Mapping, finding: &mut Finding) {
 const NEAR_PX: [f64; 12] =
     [0.0, 5e-324, 1e-300, 1e-12, 1e-3, 0.5, 1.0 - 1e-15, 1.0, 1.0 + 1e-15, 1.5, 2.5, 4.0];
 
-fn around_the_gaze(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
+pub(super) fn around_the_gaze(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     let gaze_px = mapping.gaze_px();
     for px in situation.pixel_centres(mapping) {
         let texel = extent_at_px(mapping, px).is_some();
@@ -132,7 +132,7 @@ fn around_the_gaze(situation: &Situation, mapping: &dyn Mapping, finding: &mut F
     }
 }
 
-fn monotone(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
+pub(super) fn monotone(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding) {
     match situation.subject.layout() {
         Layout::Polar => outwards(mapping, finding),
         Layout::Axes => across(situation, mapping, 0, finding),
@@ -142,8 +142,8 @@ fn monotone(situation: &Situation, mapping: &dyn Mapping, finding: &mut Finding)
 }
 
 fn outwards(mapping: &dyn Mapping, finding: &mut Finding) {
-    const DIRECTIONS: u32 = 12;
-    const STEPS: i32 = 160;
+    const DIRECTIONS: u32 = 4;
+    const STEPS: i32 = 600;
     let reach_px = 1.1 * mapping.display().farthest_corner_px(mapping.gaze_px());
     for direction in 0..DIRECTIONS {
         // Off the axes by a little, so that no direction is special.
@@ -214,7 +214,7 @@ fn seam(subject: &Subject, screen: &Screen) -> Result<Finding, Failure> {
 }
 
 /// Both sides of a point on the seam, against the slope there.
-fn across_seam(mapping: &dyn Mapping, px: DVec2, offset_px: f64, finding: &mut Finding) {
+pub(super) fn across_seam(mapping: &dyn Mapping, px: DVec2, offset_px: f64, finding: &mut Finding) {
     let (above_px, below_px) = (px - DVec2::Y * offset_px, px + DVec2::Y * offset_px);
     let sides = (mapping.forward(above_px), mapping.forward(below_px));
     let (Some(above), Some(below)) = sides else { return };

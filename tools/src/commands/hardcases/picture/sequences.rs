@@ -17,13 +17,14 @@ use macula::settings::Method;
 
 /// What the catalogue names and the engine does not have: name and reason. The family `history` fails once
 /// a pass keeps something from frame to frame.
-pub const LEFT_OUT: [(&str, &str); 3] = [
+pub const LEFT_OUT: [(&str, &str); 4] = [
     ("history after jumps, cuts and disocclusion", "no pass reads what an earlier frame left"),
     ("a NaN in the history", "there is no history"),
     (
         "jitter sequences and 2^24 frames",
         "nothing is jittered, and frame numbers only choose one of two slots",
     ),
+    ("a display that changes its size", "a renderer has one size; the family `frames` makes one for each"),
 ];
 
 const SIZE: [u32; 2] = [128, 72];
