@@ -2,7 +2,7 @@
 //! ray, in which eccentricity is the angle to the third axis and azimuth the angle about it.
 
 use super::display::{DisplayGeometry, size_dvec2_px};
-use super::params::clamp_gaze_px;
+use super::method::gaze_in_use_px;
 use glam::{DMat3, DVec2, DVec3};
 
 /// Coordinates of rays in a frame whose third axis is the gaze ray. The first axis is the display's +x
@@ -28,7 +28,7 @@ impl GazeFrame {
     /// display's centre.
     #[must_use]
     pub fn on_sphere(display: &DisplayGeometry, gaze_px: DVec2) -> Self {
-        let gaze_px = usable_gaze_px(display, gaze_px);
+        let gaze_px = gaze_in_use_px(display.size_px, gaze_px);
         let forward = display.ray_of_px(gaze_px).normalize();
         let right = (DVec3::X - forward * forward.x).normalize();
         // Right-handed view space with +Y up: forward x right points down.
@@ -53,7 +53,7 @@ impl GazeFrame {
     /// angle for a gaze at the principal point only.
     #[must_use]
     pub fn planar(display: &DisplayGeometry, gaze_px: DVec2) -> Self {
-        let gaze_px = usable_gaze_px(display, gaze_px);
+        let gaze_px = gaze_in_use_px(display.size_px, gaze_px);
         let base_px = base_px(display, gaze_px);
         let per_px = display.tangents_per_px();
         let base = ((base_px - gaze_px) * per_px).extend(1.0);
@@ -64,7 +64,7 @@ impl GazeFrame {
     /// As [`Self::planar`], with circles of equal distance in pixels: one tangent per px along both axes.
     #[must_use]
     pub(super) fn by_pixels(display: &DisplayGeometry, gaze_px: DVec2, tangent_per_px: f64) -> Self {
-        let gaze_px = usable_gaze_px(display, gaze_px);
+        let gaze_px = gaze_in_use_px(display.size_px, gaze_px);
         let base_px = base_px(display, gaze_px);
         let base = ((base_px - gaze_px) * tangent_per_px).extend(1.0);
         let ray_from_offset = DMat3::from_cols(DVec3::X * tangent_per_px, DVec3::Y * tangent_per_px, base);
@@ -131,11 +131,6 @@ impl GazeFrame {
         let base = [self.base_px.x as f32, self.base_px.y as f32, low.x as f32, low.y as f32];
         (base, rows(&self.ray_from_offset), rows(&self.offset_from_ray))
     }
-}
-
-/// A finite gaze within reach of single precision.
-pub(super) fn usable_gaze_px(display: &DisplayGeometry, gaze_px: DVec2) -> DVec2 {
-    if gaze_px.is_finite() { clamp_gaze_px(gaze_px) } else { display.center_px() }
 }
 
 fn base_px(display: &DisplayGeometry, gaze_px: DVec2) -> DVec2 {

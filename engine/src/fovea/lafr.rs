@@ -29,10 +29,10 @@
 
 use super::display::DisplayGeometry;
 use super::gaze_frame::GazeFrame;
+use super::kfr::LEAST_NATIVE_RADIUS_PX;
 use super::mapping::{ColumnLayout, LpPoint, Mapping, TexelJacobian};
 use super::method::{
-    NATIVE_RADIUS_PX, PolarOffset, gaze_in_use_px, on_circle, reach_px, reduced_columns, tangent_per_px,
-    within,
+    PolarOffset, gaze_in_use_px, on_circle, reach_px, reduced_columns, tangent_per_px, within,
 };
 use super::radial::RadialMapping;
 use crate::error::Result;
@@ -232,7 +232,7 @@ impl LafrMapping {
     /// Radius of the disc of native pixels around the gaze, px.
     #[must_use]
     pub fn native_radius_px(&self) -> f64 {
-        NATIVE_RADIUS_PX
+        LEAST_NATIVE_RADIUS_PX
     }
 
     /// The column coordinate at a distance from the gaze, texels: 0 up to 1 px, the LP-buffer's width at
@@ -301,7 +301,7 @@ impl Mapping for LafrMapping {
     }
 
     fn is_native(&self, px: DVec2) -> bool {
-        PolarOffset::new(self.gaze_px, px).radius_px < NATIVE_RADIUS_PX
+        PolarOffset::new(self.gaze_px, px).radius_px < LEAST_NATIVE_RADIUS_PX
     }
 }
 

@@ -8,11 +8,6 @@ use crate::error::{Error, Result};
 use glam::DVec2;
 use std::f64::consts::TAU;
 
-/// Radius of the disc around the gaze whose pixels a polar method shades themselves, px. A log-polar
-/// mapping is singular at the gaze and has no texel of its own for the pixels next to it; larger makes
-/// the foveal picture better than what the methods' authors compare, at the price of more samples.
-pub(super) const NATIVE_RADIUS_PX: f64 = 3.0;
-
 /// The least distance to the farthest corner, px, so that its logarithm stays away from 0 on a display
 /// of a single pixel.
 const LEAST_REACH_PX: f64 = 2.0;

@@ -31,8 +31,9 @@
 
 use super::display::DisplayGeometry;
 use super::gaze_frame::GazeFrame;
+use super::kfr::LEAST_NATIVE_RADIUS_PX;
 use super::mapping::{ColumnLayout, LpPoint, Mapping, TexelJacobian};
-use super::method::{NATIVE_RADIUS_PX, PolarOffset, gaze_in_use_px, on_circle, reach_px, tangent_per_px};
+use super::method::{PolarOffset, gaze_in_use_px, on_circle, reach_px, tangent_per_px};
 use super::radial::RadialMapping;
 use crate::error::{Error, Result};
 use glam::DVec2;
@@ -205,7 +206,7 @@ impl VisualPolarMapping {
     /// Radius of the disc of native pixels around the gaze, px.
     #[must_use]
     pub fn native_radius_px(&self) -> f64 {
-        NATIVE_RADIUS_PX
+        LEAST_NATIVE_RADIUS_PX
     }
 
     /// The column coordinate at a distance from the gaze, texels: 0 at the gaze, the LP-buffer's width at
@@ -294,7 +295,7 @@ impl Mapping for VisualPolarMapping {
     }
 
     fn is_native(&self, px: DVec2) -> bool {
-        PolarOffset::new(self.gaze_px, px).radius_px < NATIVE_RADIUS_PX
+        PolarOffset::new(self.gaze_px, px).radius_px < LEAST_NATIVE_RADIUS_PX
     }
 }
 

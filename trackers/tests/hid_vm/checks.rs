@@ -17,7 +17,6 @@ use macula_trackers::sample::GazeSample;
 use macula_trackers::source::{GazeSource, SourceEvent};
 use macula_trackers::time::host_now_ns;
 use std::fs;
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -187,7 +186,8 @@ fn values(samples: &[GazeSample]) {
 /// To a file and back, bit for bit.
 fn recording(source: &HidSource, samples: &[GazeSample]) {
     let info = RecordingInfo { device: source.info().name.clone(), ..RecordingInfo::default() };
-    let mut recorder = Recorder::create(Path::new("/tmp/tracker"), &info, &[]).expect("a recording");
+    let mut recorder =
+        Recorder::create(&std::env::temp_dir().join("tracker"), &info, &[]).expect("a recording");
     for sample in samples {
         recorder.push(sample).expect("a sample on the disk");
     }
