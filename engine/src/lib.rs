@@ -53,6 +53,7 @@ pub mod graph;
 pub mod headless;
 pub mod host;
 pub mod io;
+pub mod knobs;
 pub mod passes;
 pub mod plan;
 pub mod quality;

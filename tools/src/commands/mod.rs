@@ -13,3 +13,4 @@ pub mod rates;
 pub mod render;
 pub mod replay;
 pub mod scene;
+pub mod sweep;

@@ -1,0 +1,4 @@
+//! `macula sweep`: what accuracy costs in time.
+#![allow(dead_code)]
+
+pub mod record;
