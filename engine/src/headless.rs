@@ -63,6 +63,12 @@ impl HeadlessDevice {
         self.context.validation_messages()
     }
 
+    /// Bytes of GPU memory that are in use: of all content and renderers of this device.
+    #[must_use]
+    pub fn memory_bytes(&self) -> u64 {
+        self.context.memory_bytes()
+    }
+
     /// What renderers are built on.
     #[must_use]
     pub fn context(&self) -> &Arc<Context> {

@@ -213,6 +213,17 @@ fn framed(bounds: [DVec3; 2], display: &DisplayGeometry) -> DMat4 {
     pose(centre - forward * distance, forward, right)
 }
 
+/// A pose that a slow head has moved from: turned about the vertical axis, and moved to its right by
+/// millimetres.
+pub fn moved(world_from_view: DMat4, yaw_deg: f64, right_mm: f64) -> DMat4 {
+    let right = world_from_view.x_axis.truncate() * (right_mm * 1e-3);
+    let eye = world_from_view.w_axis.truncate();
+    let turned = DMat4::from_axis_angle(DVec3::Y, yaw_deg.to_radians())
+        * DMat4::from_translation(-eye)
+        * world_from_view;
+    DMat4::from_translation(eye + right) * turned
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

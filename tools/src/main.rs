@@ -52,6 +52,7 @@ enum Command {
     Map(commands::map::MapArgs),
     Hardcases(commands::hardcases::HardcasesArgs),
     Rates(commands::rates::RatesArgs),
+    Sweep(Box<commands::sweep::SweepArgs>),
     Replay(Box<commands::replay::ReplayArgs>),
     /// Eye trackers, recorded gaze, synthetic eyes and the latency budget
     #[command(subcommand)]
@@ -71,6 +72,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Map(args) => commands::map::run(args, cli.json),
         Command::Hardcases(args) => commands::hardcases::run(args, cli.json),
         Command::Rates(args) => commands::rates::run(args, cli.json),
+        Command::Sweep(args) => commands::sweep::run(args, cli.json),
         Command::Replay(args) => commands::replay::run(args, cli.json),
         Command::Gaze(command) => commands::gaze::run(command, cli.json),
         Command::Demo(args) => commands::demo::run(args, cli.json),

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use macula::fovea::{
     AcuityModel, DisplayGeometry, GuenterParams, LafrParams, RmfrParams, VafrForm, VisualPolarParams,
 };
+use macula::knobs::Setting;
 use macula::settings::{KfrSettings, LpFilter, Method, RenderSettings, VafrSettings};
 use std::path::{Path, PathBuf};
 
@@ -141,9 +142,21 @@ impl AcuityArgs {
 }
 
 fn read_acuity(path: &Path) -> Result<AcuityModel, Failure> {
+    read_toml(path, AcuityModel::from_toml)
+}
+
+/// Knobs' values from a file, as `macula choose` writes it.
+///
+/// # Errors
+/// A file that cannot be read or holds something else.
+pub fn read_setting(path: &Path) -> Result<Setting, Failure> {
+    read_toml(path, Setting::from_toml)
+}
+
+fn read_toml<T>(path: &Path, from: impl FnOnce(&str) -> macula::Result<T>) -> Result<T, Failure> {
     let told = |error: String| Failure::environment(format!("{}: {error}", path.display()));
     let text = std::fs::read_to_string(path).map_err(|error| told(error.to_string()))?;
-    AcuityModel::from_toml(&text).map_err(|error| told(error.to_string()))
+    from(&text).map_err(|error| told(error.to_string()))
 }
 
 /// The method with its parameters.

@@ -144,6 +144,11 @@ impl Context {
         }
     }
 
+    /// Bytes of GPU memory in use by buffers and images.
+    pub(crate) fn memory_bytes(&self) -> u64 {
+        self.allocator().generate_report().total_allocated_bytes
+    }
+
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
         // A panic while the lock was held leaves the allocator's lists whole: it changes them last.
         self.allocator.lock().unwrap_or_else(PoisonError::into_inner)

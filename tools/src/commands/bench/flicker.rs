@@ -1,7 +1,7 @@
 //! `macula bench flicker`: how much a slow move of the camera makes the picture flicker, per ring of
 //! eccentricity, beside full shading.
 
-use crate::content::{CameraArgs, Source, Subject, neutral_light, parse_source};
+use crate::content::{CameraArgs, Source, Subject, moved, neutral_light, parse_source};
 use crate::failure::Failure;
 use crate::library;
 use crate::measure::{PassMedian, pass_medians};
@@ -9,7 +9,7 @@ use crate::options::{DisplayArgs, HallArgs, gaze_px, parse_pair, parse_within};
 use crate::output::{self, table};
 use crate::progress::Steps;
 use clap::Args;
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat4, DVec2};
 use macula::fovea::DisplayGeometry;
 use macula::headless::{FrameInput, GpuContent, HeadlessDevice, OffscreenRenderer};
 use macula::quality::picture::Picture;
@@ -169,12 +169,7 @@ fn box_mean(rgb8: &[u8], [width, height]: [u32; 2], scale: usize) -> Vec<f32> {
 /// around the given view.
 fn pose(world_from_view: DMat4, args: &FlickerArgs, frame: u32) -> DMat4 {
     let step = f64::from(frame) - f64::from(args.frames - 1) / 2.0;
-    let right = world_from_view.x_axis.truncate() * (args.step_mm * 1e-3 * step);
-    let eye = world_from_view.w_axis.truncate();
-    let turned = DMat4::from_axis_angle(DVec3::Y, (args.yaw_deg * step).to_radians())
-        * DMat4::from_translation(-eye)
-        * world_from_view;
-    DMat4::from_translation(eye + right) * turned
+    moved(world_from_view, args.yaw_deg * step, args.step_mm * step)
 }
 
 /// What is compared: full shading, more samples of it, and each method without and with footprints.
