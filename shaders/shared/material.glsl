@@ -23,14 +23,27 @@ layout(set = 1, binding = 3) uniform sampler2D occlusion_map;
 layout(set = 1, binding = 4) uniform sampler2D emissive_map;
 layout(set = 1, binding = 5) uniform MaterialBlock { Material material; };
 
+// Nothing here branches on `material`, it selects: some software drivers compile a shader anew, at every
+// draw of every frame, for the values of a uniform block that it branches on.
+
+// Whether the material has this map; a pipeline with a map is also used for materials without it where
+// effects are forced.
+bool has_map(TextureUse use_) {
+    return use_.row_v.w > 0.5;
+}
+
 vec2 map_uv(TextureUse use_) {
-    vec3 uv = vec3(use_.row_u.w > 0.5 ? in_uv.zw : in_uv.xy, 1.0);
+    vec3 uv = vec3(mix(in_uv.xy, in_uv.zw, bvec2(use_.row_u.w > 0.5)), 1.0);
     return vec2(dot(use_.row_u.xyz, uv), dot(use_.row_v.xyz, uv));
 }
 
 // A map over the sample's footprint; a sample of one pixel gets what it would get without.
 vec4 map_at(sampler2D map, vec2 uv) {
     return HAS_FOOTPRINT ? texture(map, uv, map_levels) : texture(map, uv);
+}
+
+vec4 map_or_one(sampler2D map, TextureUse use_) {
+    return mix(vec4(1.0), map_at(map, map_uv(use_)), bvec4(has_map(use_)));
 }
 
 vec3 unit_or(vec3 v, vec3 otherwise) {
@@ -41,13 +54,13 @@ vec3 unit_or(vec3 v, vec3 otherwise) {
 
 vec4 base_color_at() {
     vec4 color = material.base_color;
-    if (HAS_BASE_COLOR_MAP && material.base_color_use.row_v.w > 0.5) {
-        vec2 uv = map_uv(material.base_color_use);
-        vec4 map = map_at(base_color_map, uv);
+    if (HAS_BASE_COLOR_MAP) {
+        vec4 map = map_or_one(base_color_map, material.base_color_use);
         if (HAS_FOOTPRINT) {
             if (HAS_ALPHA_MASK) {
                 // The mask decides on what is there at all, and that stays as in full shading.
-                map.a = texture(base_color_map, uv).a;
+                float unbiased = texture(base_color_map, map_uv(material.base_color_use)).a;
+                map.a = mix(map.a, unbiased, has_map(material.base_color_use));
             }
         }
         color *= map;

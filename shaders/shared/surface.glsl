@@ -21,22 +21,24 @@ vec3 normal_at(out float normals_alpha2) {
     if (!gl_FrontFacing) {
         normal = -normal;
     }
-    if (HAS_NORMAL_MAP && material.normal_use.row_v.w > 0.5) {
+    if (HAS_NORMAL_MAP) {
+        vec2 uv = map_uv(material.normal_use);
+        vec3 mapped = map_at(normal_map, uv).xyz * 2.0 - 1.0;
+        float minified = 0.0;
+        if (HAS_FOOTPRINT) {
+            minified = minified_normals(uv, mapped);
+        }
         vec3 tangent = in_tangent.xyz - normal * dot(normal, in_tangent.xyz);
         float length2 = dot(tangent, tangent);
-        if (length2 > 1e-20) {
-            tangent *= inversesqrt(length2);
-            vec3 bitangent = cross(normal, tangent) * in_tangent.w;
-            // A back face keeps its texture's handedness: both axes turn with the normal.
-            bitangent = gl_FrontFacing ? bitangent : -bitangent;
-            vec2 uv = map_uv(material.normal_use);
-            vec3 mapped = map_at(normal_map, uv).xyz * 2.0 - 1.0;
-            if (HAS_FOOTPRINT) {
-                normals_alpha2 = minified_normals(uv, mapped);
-            }
-            mapped.xy *= material.factors.z;
-            normal = unit_or(tangent * mapped.x + bitangent * mapped.y + normal * mapped.z, normal);
-        }
+        bool is_mapped = has_map(material.normal_use) && length2 > 1e-20;
+        tangent *= inversesqrt(max(length2, 1e-20));
+        vec3 bitangent = cross(normal, tangent) * in_tangent.w;
+        // A back face keeps its texture's handedness: both axes turn with the normal.
+        bitangent = gl_FrontFacing ? bitangent : -bitangent;
+        mapped.xy *= material.factors.z;
+        vec3 turned = unit_or(tangent * mapped.x + bitangent * mapped.y + normal * mapped.z, normal);
+        normals_alpha2 = mix(0.0, minified, is_mapped);
+        normal = mix(normal, turned, bvec3(is_mapped));
     }
     return normal;
 }
@@ -49,28 +51,26 @@ Surface surface_at(vec4 base) {
     s.albedo = clamp(base.rgb, 0.0, 1.0);
     s.metallic = material.factors.x;
     s.roughness = material.factors.y;
-    if (HAS_METALLIC_ROUGHNESS_MAP && material.metallic_roughness_use.row_v.w > 0.5) {
-        vec4 map = map_at(metallic_roughness_map, map_uv(material.metallic_roughness_use));
+    if (HAS_METALLIC_ROUGHNESS_MAP) {
+        vec4 map = map_or_one(metallic_roughness_map, material.metallic_roughness_use);
         s.roughness *= map.g;
         s.metallic *= map.b;
     }
     s.roughness = widened(clamp(s.roughness, 0.0, 1.0), normals_alpha2);
     s.metallic = clamp(s.metallic, 0.0, 1.0);
     s.occlusion = 1.0;
-    if (HAS_OCCLUSION_MAP && material.occlusion_use.row_v.w > 0.5) {
-        float map = map_at(occlusion_map, map_uv(material.occlusion_use)).r;
+    if (HAS_OCCLUSION_MAP) {
+        float map = map_or_one(occlusion_map, material.occlusion_use).r;
         s.occlusion = 1.0 + material.factors.w * (map - 1.0);
     }
     s.emissive = vec3(0.0);
     if (HAS_MATERIAL_EMISSIVE) {
         s.emissive = material.emissive.rgb;
-        if (material.emissive_use.row_v.w > 0.5 && HAS_EMISSIVE_MAP) {
-            s.emissive *= map_at(emissive_map, map_uv(material.emissive_use)).rgb;
+        if (HAS_EMISSIVE_MAP) {
+            s.emissive *= map_or_one(emissive_map, material.emissive_use).rgb;
         }
     }
-    if (s.unlit) {
-        s.emissive = base.rgb;
-        s.albedo = vec3(0.0);
-    }
+    s.emissive = mix(s.emissive, base.rgb, bvec3(s.unlit));
+    s.albedo = mix(s.albedo, vec3(0.0), bvec3(s.unlit));
     return s;
 }
