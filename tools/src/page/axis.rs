@@ -15,8 +15,11 @@ pub const COLORS: [[&str; 2]; 8] = [
 
 /// Values whose greatest is so many times the least are shown on a logarithmic axis.
 const LOG_FROM: f64 = 8.0;
+/// What is smaller than the greatest by more than this has no place of its own on a logarithmic axis: it lies
+/// in the break, above 0 and below all others.
+const LOG_SPAN: f64 = 1e4;
 /// The part of a logarithmic axis that is set aside for 0, in the axis's units of length.
-const ZERO_BAND: f64 = 24.0;
+const ZERO_BAND: f64 = 28.0;
 
 /// Round numbers from 0 on, about so many.
 pub fn steps(most: f64, about: f64) -> Vec<f64> {
@@ -65,7 +68,8 @@ impl Axis {
         if most < LOG_FROM * least {
             return Self::from_zero(values, from, to);
         }
-        Self { scale: Scale::Log(least / 1.25, most * 1.25), from, to }
+        let low = least.max(most / LOG_SPAN) / 1.25;
+        Self { scale: Scale::Log(low, most * 1.25), from, to }
     }
 
     /// Where a value lies, 0 or above.
@@ -74,8 +78,13 @@ impl Axis {
             Scale::Linear(most) => self.from + (self.to - self.from) * (value / most).clamp(0.0, 1.0),
             Scale::Log(low, high) => {
                 let begin = self.log_from();
-                let share = (value.max(f64::MIN_POSITIVE) / low).ln() / (high / low).ln();
-                if value > 0.0 { begin + (self.to - begin) * share.clamp(0.0, 1.0) } else { self.from }
+                if value <= 0.0 {
+                    self.from
+                } else if value < low {
+                    f64::midpoint(self.from, begin)
+                } else {
+                    begin + (self.to - begin) * ((value / low).ln() / (high / low).ln()).min(1.0)
+                }
             }
         }
     }
@@ -125,6 +134,12 @@ mod tests {
         assert!((a - b - (b - c)).abs() < 1e-9 && a > b, "{a} {b} {c}");
         let broken = axis.break_at().expect("a break");
         assert!(broken < 100.0 && broken > a);
+        let small = Axis::fitting([1e-9, 0.1].into_iter(), 100.0, 0.0);
+        assert!(
+            small.at(0.0) > small.at(1e-9)
+                && small.at(1e-9) > small.at(1e-5)
+                && small.at(1e-5) > small.at(0.1)
+        );
         let ticks = axis.ticks(8);
         assert_eq!(ticks.len(), 7 + 1, "{ticks:?}");
         assert!(ticks.is_sorted() && ticks[0] == 0.0);

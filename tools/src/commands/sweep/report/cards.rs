@@ -78,15 +78,11 @@ fn shown(sheet: &Sheet<'_>, kind: &str, alt: &str, caption: &str, bytes: &[u8]) 
 fn list(figures: &Figures) -> String {
     let times = &figures.times;
     let errors = &figures.errors;
-    let ratio = format!(
-        "{} ({}, {})",
-        figure(times.ratio.median),
-        between(times.ratio_interval),
-        per_cent(times.ratio_confidence)
-    );
+    let interval = format!("{} ({})", between(times.ratio_interval), per_cent(times.ratio_confidence));
     let mut html = String::from("<dl>");
     for (name, value) in [
-        ("time / reference", ratio),
+        ("time / reference", figure(times.ratio.median)),
+        ("interval", interval),
         ("GPU time", format!("{} ms", figure(times.setting_ms.median))),
         ("acuity-surviving RMSE", figure(errors.acuity_rmse)),
         ("FLIP", figure(errors.flip)),

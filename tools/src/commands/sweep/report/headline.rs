@@ -74,14 +74,16 @@ pub fn cards(manifest: &Manifest, sheets: &[Sheet<'_>]) -> String {
     let failed = sheets.iter().flat_map(|sheet| &sheet.rows).filter(|row| row.failure().is_some()).count();
     let asked = manifest.settings.len() * manifest.sizes.len();
     let missing = asked.saturating_sub(measured + failed);
-    let mut what = format!("of {asked} settings measured");
+    let sizes =
+        if manifest.sizes.len() == 1 { String::new() } else { format!(" at {} sizes", manifest.sizes.len()) };
+    let mut what = format!("settings measured{sizes}");
     if failed > 0 {
         what += &format!(", {failed} failed");
     }
     if missing > 0 {
         what += &format!(", {missing} not yet run");
     }
-    let mut html = card(&measured.to_string(), &what);
+    let mut html = card(&format!("{measured} of {asked}"), &what);
     let sized = |what: &str, label: &str, sheet: &Sheet<'_>| {
         let size = if sheets.len() > 1 { format!(", {} px", sheet.size_text()) } else { String::new() };
         format!("{what}: {label}{size}")

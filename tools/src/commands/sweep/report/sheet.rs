@@ -23,7 +23,7 @@ pub struct Row<'a> {
     pub record: &'a Record,
     /// Unique on the page.
     pub key: String,
-    /// The method and the knobs in which the settings differ.
+    /// The method and what the setting sets by itself, without what is so in all settings.
     pub label: String,
     /// With what it takes from the base, without knobs that have no meaning with its method.
     pub setting: Setting,
@@ -90,7 +90,7 @@ pub fn sheets<'a>(manifest: &Manifest, records: &'a [Record]) -> Vec<Sheet<'a>> 
         let row = |(place, (record, setting)): (usize, (&'a Record, &Setting))| Row {
             record,
             key: format!("s{at}-{place}"),
-            label: label(setting, &differing),
+            label: label(record, setting, &differing),
             setting: setting.clone(),
             method: method_place(setting),
         };
@@ -111,9 +111,10 @@ fn differing(settings: &[Setting]) -> Vec<&'static str> {
     names.filter(|name| settings.windows(2).any(|pair| pair[0].get(name) != pair[1].get(name))).collect()
 }
 
-/// The method, and those of `names` that are set.
-fn label(setting: &Setting, names: &[&str]) -> String {
-    let words = words(setting, |name| name == "method" || names.contains(&name));
+/// The method, and those of `differing` that the record's own setting names.
+fn label(record: &Record, setting: &Setting, differing: &[&str]) -> String {
+    let own = |name: &str| differing.contains(&name) && record.setting.get(name).is_some();
+    let words = words(setting, |name| name == "method" || own(name));
     if words.is_empty() { setting.to_string() } else { words }
 }
 

@@ -32,7 +32,8 @@ pub fn between([low, high]: [f64; 2]) -> String {
 
 /// The number at an axis: without what rounding left of it.
 pub fn tick(value: f64) -> String {
-    format!("{value:.3e}").parse::<f64>().unwrap_or(value).to_string()
+    let value = format!("{value:.3e}").parse::<f64>().unwrap_or(value);
+    if value != 0.0 && value.abs() < 1e-3 { format!("{value:e}") } else { value.to_string() }
 }
 
 /// Bytes in units of 1024.
@@ -73,7 +74,7 @@ mod tests {
         ] {
             assert_eq!(figure(value), text);
         }
-        assert_eq!((tick(3.0 * 0.2), tick(1e-5)), ("0.6".into(), "0.00001".into()));
+        assert_eq!((tick(3.0 * 0.2), tick(2e-5), tick(0.0)), ("0.6".into(), "2e-5".into(), "0".into()));
     }
 
     #[test]
