@@ -118,7 +118,14 @@ impl Across {
         values.sort_by(|a, b| a.0.total_cmp(&b.0));
         values.dedup_by(|a, b| a.0 == b.0);
         let [left, _, right] = MARGIN;
-        let (from, to) = (left + 18.0, SIZE[0] - right - 18.0);
+        let text = |value: &Value| match value {
+            Value::Number(number) => tick(*number),
+            other => other.to_string(),
+        };
+        let width = |text: &str| text.chars().count() as f64 * CHARACTER_PX;
+        // The last value's text must not leave the drawing.
+        let last_width = values.last().map_or(0.0, |(_, value)| width(&text(value)));
+        let (from, to) = (left + 18.0, SIZE[0] - f64::max(right + 18.0, last_width / 2.0 + 4.0));
         let numbers = matches!(knob.range, Range::Numbers { .. });
         let (first, last) = (values[0].0, values[values.len() - 1].0);
         // Powers of two and the like would crowd at the left.
@@ -133,12 +140,7 @@ impl Across {
             .enumerate()
             .map(|(index, &(place, _))| (place, from + (to - from) * share(index, place).clamp(0.0, 1.0)))
             .collect();
-        let text = |value: &Value| match value {
-            Value::Number(number) => tick(*number),
-            other => other.to_string(),
-        };
         let texts: Vec<_> = at.iter().zip(&values).map(|((_, x), (_, value))| (*x, text(value))).collect();
-        let width = |text: &str| text.chars().count() as f64 * CHARACTER_PX;
         let crowded = |pair: &[(f64, String)]| {
             (width(&pair[0].1) + width(&pair[1].1)) / 2.0 + 6.0 > pair[1].0 - pair[0].0
         };

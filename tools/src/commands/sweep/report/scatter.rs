@@ -227,7 +227,7 @@ impl<'a> Chart<'a> {
             let key = row.map_or(&self.reference_key, |row| &row.key);
             let bar = bar.map_or(Cell::Nothing, |bar| Cell::Text(between(bar)));
             let number = |value: f64| Cell::Number(value, figure(value));
-            (name, Some(key.clone()), vec![number(point.time), bar, number(point.error)])
+            (name, Some(key.clone()), vec![number(point.time), number(point.error), bar])
         };
         let (head, ends) = match time {
             Time::Ratio => ("time / reference", "interval"),
@@ -235,7 +235,7 @@ impl<'a> Chart<'a> {
         };
         Table {
             caption: format!("The front at {size} px, from the fastest to the most accurate"),
-            head: ["setting", head, ends, &format!("{measure_name} error")].map(str::to_owned).to_vec(),
+            head: ["setting", head, &format!("{measure_name} error"), ends].map(str::to_owned).to_vec(),
             rows: (1..).zip(&self.front).map(row).collect(),
             class: "front",
             sortable: false,

@@ -119,7 +119,7 @@ fn the_headline_is_a_measured_setting_of_the_front() {
     let text = sentence.replace("<strong>", "").replace("</strong>", "");
     assert_eq!(
         text,
-        "At 1280×720 px kfr, sigma 1.4 takes 0.400 of the reference's time (0.390 to 0.410, 96 % sure) at an \
+        "At 1280×720 px kfr, sigma 1.4 takes 0.400 of the reference's time (0.390 to 0.410, 96\u{a0}% sure) at an \
          acuity-surviving error of 0.0100."
     );
 }

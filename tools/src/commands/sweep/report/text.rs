@@ -42,9 +42,9 @@ pub fn bytes(count: u64) -> String {
     format!("{} MiB", figure(count as f64 / MIB))
 }
 
-/// A probability, never rounded up, in per cent.
+/// A probability, never rounded up, in per cent; a line does not break in it.
 pub fn per_cent(probability: f64) -> String {
-    format!("{} %", (probability * 100.0 + 1e-9).floor())
+    format!("{}\u{a0}%", (probability * 100.0 + 1e-9).floor())
 }
 
 /// Cut to so many characters, with an ellipsis where something is left out.
@@ -81,7 +81,7 @@ mod tests {
     fn confidence_is_never_rounded_up() {
         assert_eq!(
             (per_cent(0.96875), per_cent(0.5), per_cent(0.95)),
-            ("96 %".into(), "50 %".into(), "95 %".into())
+            ("96\u{a0}%".into(), "50\u{a0}%".into(), "95\u{a0}%".into())
         );
         assert_eq!((cut("abcdef", 4), cut("abcd", 4)), ("abc…".into(), "abcd".into()));
     }
