@@ -54,6 +54,7 @@ pub fn html(
 ) -> String {
     let sheets = sheets(manifest, records);
     let reference = manifest.reference.to_string();
+    let passes = passes::all_names(&sheets);
     filled(
         TEMPLATE,
         &[
@@ -65,12 +66,12 @@ pub fn html(
             ("sizes", size_choice(&sheets)),
             ("times", choice("time", "Time", scatter::TIMES.map(|(_, name, _)| name))),
             ("measures", choice("error", "Error", scatter::MEASURES.map(|(_, name, _)| name))),
-            ("fronts", by_size(&sheets, |sheet| front(sheet))),
+            ("fronts", by_size(&sheets, front)),
             ("settings", by_size(&sheets, tables::settings)),
             ("failed", tables::failed(&sheets)),
             ("curves", by_size(&sheets, knob_curves::section)),
             ("rings", by_size(&sheets, rings)),
-            ("passes", by_size(&sheets, passes::section)),
+            ("passes", by_size(&sheets, |sheet| passes::section(sheet, &passes))),
             ("effects", effects::section(effects)),
             ("grid", by_size(&sheets, |sheet| cards::section(sheet, &reference, thumbnails))),
             ("facts", how::facts(manifest, records)),

@@ -33,10 +33,14 @@ impl Bar {
     }
 }
 
-/// One size's bars and table.
-pub fn section(sheet: &Sheet<'_>) -> String {
+/// All passes of all sizes, which give a pass the same colour everywhere; those that take the most time first.
+pub fn all_names(sheets: &[Sheet<'_>]) -> Vec<String> {
+    names(&sheets.iter().flat_map(bars).collect::<Vec<_>>())
+}
+
+/// One size's bars and table; `names` as from [`all_names`].
+pub fn section(sheet: &Sheet<'_>, names: &[String]) -> String {
     let bars = bars(sheet);
-    let names = names(&bars);
     let most = bars.iter().map(Bar::total).fold(0.0, f64::max);
     if names.is_empty() || most <= 0.0 {
         return "<p>No pass was measured at this size.</p>\n".to_owned();
@@ -52,7 +56,7 @@ pub fn section(sheet: &Sheet<'_>) -> String {
     }
     html += "</ul>\n<div class=\"bars\">\n";
     html.extend(bars.iter().map(|bar| stacked(bar, colored, most)));
-    html + "</div>\n" + &table(sheet, &bars, &names)
+    html + "</div>\n" + &table(sheet, &bars, names)
 }
 
 /// The reference's, then the settings'.

@@ -8,13 +8,13 @@ pub fn figure(value: f64) -> String {
     if !value.is_finite() {
         return NONE.to_owned();
     }
-    let size = value.abs();
+    // Rounded first: 0.9996 to three digits has as many decimals as 1.
+    let size = format!("{:.2e}", value.abs()).parse::<f64>().unwrap_or(0.0);
     if size == 0.0 {
         "0".to_owned()
     } else if size < 1e-4 {
         format!("{value:.1e}")
     } else {
-        // As many decimals as three digits need after rounding.
         let decimals = (2.0 - size.log10().floor()).clamp(0.0, 6.0) as usize;
         format!("{value:.decimals$}")
     }
@@ -67,6 +67,7 @@ mod tests {
             (12.345, "12.3"),
             (1234.5, "1234"),
             (0.00123, "0.00123"),
+            (0.9996, "1.00"),
             (0.000_012_3, "1.2e-5"),
             (-0.5, "-0.500"),
             (f64::NAN, NONE),
