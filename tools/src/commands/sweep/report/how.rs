@@ -65,7 +65,7 @@ pub fn measured(manifest: &Manifest, records: &[Record]) -> String {
     format!(
         "<p>Frames of the reference and of a setting were rendered alternately in one process, {pairs} for each \
          setting ({} for each view), after frames that are not counted. Times are the GPU's own, from the \
-         begin of the frame's first pass to the end of its last. The ratio is the median of the pairs' ratios: \
+         start of the frame's first pass to the end of its last. The ratio is the median of the pairs' ratios: \
          what slows the machine down for a while slows both. Its interval lies between two of the ordered \
          ratios and holds the median with a probability of at least {} here, whatever the distribution. Bars \
          of milliseconds reach from the least to the greatest frame.</p>\n\
