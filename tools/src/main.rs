@@ -53,6 +53,7 @@ enum Command {
     Hardcases(commands::hardcases::HardcasesArgs),
     Rates(commands::rates::RatesArgs),
     Sweep(Box<commands::sweep::SweepArgs>),
+    Choose(commands::choose::ChooseArgs),
     Replay(Box<commands::replay::ReplayArgs>),
     /// Eye trackers, recorded gaze, synthetic eyes and the latency budget
     #[command(subcommand)]
@@ -73,6 +74,7 @@ fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Hardcases(args) => commands::hardcases::run(args, cli.json),
         Command::Rates(args) => commands::rates::run(args, cli.json),
         Command::Sweep(args) => commands::sweep::run(args, cli.json),
+        Command::Choose(args) => commands::choose::run(args, cli.json),
         Command::Replay(args) => commands::replay::run(args, cli.json),
         Command::Gaze(command) => commands::gaze::run(command, cli.json),
         Command::Demo(args) => commands::demo::run(args, cli.json),

@@ -1,5 +1,7 @@
-//! The demo's page: one file that needs nothing else, not even a network.
+//! Pages of one file that needs nothing else, not even a network: the demo's, and what other pages share
+//! with it.
 
+pub mod axis;
 pub mod picture;
 
 use crate::commands::compare::decibels;
@@ -10,6 +12,8 @@ use macula::stats::{Effects, LpStats};
 use std::fmt::Write;
 
 const TEMPLATE: &str = include_str!("page.html");
+/// What all pages look like.
+pub const BASE_STYLE: &str = include_str!("base.css");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
@@ -61,9 +65,8 @@ impl Page<'_> {
     /// The page's text.
     pub fn html(&self) -> String {
         let chooser = self.gazes.iter().enumerate().map(|(index, part)| choice(index, part));
-        let mut html = String::with_capacity(1 << 22);
         let values = [
-            ("style", STYLE.to_owned()),
+            ("style", format!("{BASE_STYLE}{STYLE}")),
             ("summary", self.summary()),
             ("chooser", chooser.collect()),
             ("gazes", self.gazes.iter().enumerate().map(|(index, part)| self.section(index, part)).collect()),
@@ -73,15 +76,7 @@ impl Page<'_> {
             ("facts", facts(&self.facts)),
             ("script", SCRIPT.to_owned()),
         ];
-        let mut rest = TEMPLATE;
-        while let Some((before, after)) = rest.split_once("{{") {
-            html.push_str(before);
-            let Some((name, after)) = after.split_once("}}") else { break };
-            let value = values.iter().find(|(key, _)| *key == name);
-            html.push_str(value.map_or("", |(_, value)| value));
-            rest = after;
-        }
-        html + rest
+        filled(TEMPLATE, &values)
     }
 
     fn summary(&self) -> String {
@@ -207,7 +202,27 @@ fn facts(facts: &[(&str, String)]) -> String {
 }
 
 fn source(png: &[u8]) -> String {
-    format!(" src=\"data:image/png;base64,{}\"", base64::encode(png))
+    format!(" src=\"{}\"", data_url("image/png", png))
+}
+
+/// A file as an address that holds it.
+pub fn data_url(media_type: &str, bytes: &[u8]) -> String {
+    format!("data:{media_type};base64,{}", base64::encode(bytes))
+}
+
+/// A template with every `{{name}}` replaced by its value. Values are not looked through again.
+pub fn filled(template: &str, values: &[(&str, String)]) -> String {
+    let length = values.iter().map(|(_, value)| value.len()).sum::<usize>();
+    let mut text = String::with_capacity(template.len() + length);
+    let mut rest = template;
+    while let Some((before, after)) = rest.split_once("{{") {
+        text.push_str(before);
+        let Some((name, after)) = after.split_once("}}") else { break };
+        let value = values.iter().find(|(key, _)| *key == name);
+        text.push_str(value.map_or("", |(_, value)| value));
+        rest = after;
+    }
+    text + rest
 }
 
 /// Text as it may stand in HTML, in XML, and in their attributes.

@@ -2,6 +2,7 @@
 
 use super::report::{Curve, Results};
 use super::summary::{Rate, Row, Spread};
+use crate::page::axis::{COLORS, decades, steps};
 use crate::page::escaped;
 use clap::ValueEnum;
 use std::fmt::Write;
@@ -16,20 +17,7 @@ pub enum Scale {
 }
 
 /// Curves that a panel tells apart by colour.
-pub const MOST_CURVES: usize = 8;
-
-/// Colours on a light and on a dark ground: Okabe and Ito's, which colour-blind people tell apart, the
-/// light ones made darker for a light ground and the dark ones lighter for a dark one.
-const COLORS: [[&str; 2]; MOST_CURVES] = [
-    ["#0072b2", "#56b4e9"],
-    ["#d55e00", "#ff8c42"],
-    ["#007f5f", "#2fc79a"],
-    ["#b0478a", "#e39bc8"],
-    ["#8a6d00", "#f0e442"],
-    ["#5a3fc0", "#a99bff"],
-    ["#a11d2c", "#ff7b86"],
-    ["#3d4652", "#c3cad4"],
-];
+pub const MOST_CURVES: usize = COLORS.len();
 
 const PANEL: [f64; 2] = [560.0, 400.0];
 /// Around a panel's axes: left, top, right, bottom.
@@ -154,19 +142,8 @@ impl Axes {
         if self.scale == Scale::Linear {
             return steps(high, 8.0);
         }
-        let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
-        let ticks = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(decade)));
-        ticks.filter(|tick| (low..=high).contains(tick)).collect()
+        decades(low, high, &[1.0, 2.0, 5.0])
     }
-}
-
-/// Round numbers from 0 on, about so many.
-fn steps(most: f64, about: f64) -> Vec<f64> {
-    let raw = most / about;
-    let decade = 10f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * decade).into_iter().find(|step| *step >= raw);
-    let step = step.unwrap_or(raw);
-    (0..=(most / step) as u32).map(|tick| f64::from(tick) * step).collect()
 }
 
 fn panel(curves: &[Curve], axes: &Axes) -> String {

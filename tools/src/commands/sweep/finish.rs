@@ -1,7 +1,8 @@
 //! What is made of the records once all are there: table, schema, front, report.
 
-use super::folder::Folder;
+use super::folder::{Folder, Picture};
 use super::record::{Manifest, Outcome, Record};
+use super::report::{self, Pictures, Thumbnails};
 use super::table;
 use crate::failure::Failure;
 use crate::library;
@@ -47,8 +48,11 @@ pub fn finish(folder: &Folder, manifest: &Manifest, json: bool) -> Result<(), Fa
 }
 
 fn write_all(folder: &Folder, manifest: &Manifest, records: &[Record]) -> Result<Vec<PathBuf>, Failure> {
-    let files =
-        [("results.csv", table::csv(records)?), ("schema.json", table::schema(manifest)?.into_bytes())];
+    let files = [
+        ("results.csv", table::csv(records)?),
+        ("schema.json", table::schema(manifest)?.into_bytes()),
+        ("report.html", page(folder, manifest, records)?.into_bytes()),
+    ];
     let mut written = Vec::new();
     for (name, bytes) in files {
         let path = folder.file(name);
@@ -56,6 +60,23 @@ fn write_all(folder: &Folder, manifest: &Manifest, records: &[Record]) -> Result
         written.push(path);
     }
     Ok(written)
+}
+
+/// The report, with the pictures that are there.
+fn page(folder: &Folder, manifest: &Manifest, records: &[Record]) -> Result<String, Failure> {
+    let mut thumbnails = Thumbnails::default();
+    for (place, &size) in manifest.sizes.iter().enumerate() {
+        let of = |picture| folder.picture(size, picture);
+        thumbnails.references.extend(of(Picture::Reference).map(|bytes| (place, bytes)));
+        for index in 0..manifest.settings.len() {
+            if let (Some(picture), Some(difference)) =
+                (of(Picture::Of(index)), of(Picture::Difference(index)))
+            {
+                thumbnails.settings.insert((place, index), Pictures { picture, difference });
+            }
+        }
+    }
+    Ok(report::html(manifest, records, folder.effects()?.as_ref(), &thumbnails))
 }
 
 fn text(report: &Report<'_>) -> String {

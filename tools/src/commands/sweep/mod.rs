@@ -2,11 +2,13 @@
 
 mod finish;
 pub mod folder;
+pub mod front;
 mod grid;
 mod machine;
 mod measure;
 mod merge;
 pub mod record;
+mod report;
 mod run;
 mod table;
 mod thumbnail;

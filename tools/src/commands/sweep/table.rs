@@ -30,11 +30,11 @@ fn column(
 }
 
 /// Columns and cells are made by the same walk, so that they cannot part.
-type Cell<'a> = (Column, Box<dyn Fn(&Record) -> Option<String> + 'a>);
+type Of = Box<dyn Fn(&Record) -> Option<String>>;
 
-fn cells() -> Vec<Cell<'static>> {
-    let mut cells: Vec<Cell> = Vec::new();
-    let mut put = |column: Column, of: Box<dyn Fn(&Record) -> Option<String>>| cells.push((column, of));
+fn cells() -> Vec<(Column, Of)> {
+    let mut cells = Vec::new();
+    let mut put = |column: Column, of: Of| cells.push((column, of));
     put(
         column("index", "integer", "", "place of the setting in the sweep, from 0"),
         Box::new(|of| text(of.index)),
@@ -101,6 +101,9 @@ fn cells() -> Vec<Cell<'static>> {
 }
 
 type OfFigures = fn(&Figures) -> Option<String>;
+type OfRing = fn(&Ring) -> Option<f64>;
+type OfMove = fn(&Figures) -> &Vec<TemporalRing>;
+type OfRecord = fn(&Record) -> String;
 
 const NUMBERS: &[(&str, &str, &str, OfFigures)] = &[
     ("pairs", "", "pairs of frames measured", |of| text(of.times.pairs)),
@@ -135,13 +138,12 @@ const NUMBERS: &[(&str, &str, &str, OfFigures)] = &[
     ("jod", "JOD", "FovVideoVDP, 10 for no difference", |of| text_of(of.jod)),
 ];
 
-const RINGS: [(&str, fn(&Ring) -> Option<f64>); 3] =
+const RINGS: [(&str, OfRing); 3] =
     [("rmse", |of| of.rmse), ("flip", |of| of.flip), ("acuity_rmse", |of| of.acuity_rmse)];
 
-const MOVES: [(&str, fn(&Figures) -> &Vec<TemporalRing>); 2] =
-    [("camera", |of| &of.temporal.camera), ("gaze", |of| &of.temporal.gaze)];
+const MOVES: [(&str, OfMove); 2] = [("camera", |of| &of.temporal.camera), ("gaze", |of| &of.temporal.gaze)];
 
-const PLACES: &[(&str, fn(&Record) -> String)] = &[
+const PLACES: &[(&str, OfRecord)] = &[
     ("device", |of| of.machine.device.clone()),
     ("driver", |of| of.machine.driver.clone()),
     ("cpu", |of| of.machine.cpu.clone()),
